@@ -58,8 +58,8 @@ inline bench::RelaySettings bare_relay(const BoundSettings& settings,
     return {.waits = waits, .priority = settings.priority, .cpu = settings.cpu};
 }
 
-/// The anchor that keeps a deadline too, the least that a program with a failsafe can do: the first
-/// repeat of an output is as far behind its last frame.
+/// The anchor that keeps a deadline too, the least that a program with a failsafe can do: it also
+/// wakes 9 ms after a frame, behind the next one.
 inline bench::RelaySettings with_deadline(bench::RelaySettings bare) {
     bare.timeout = std::chrono::milliseconds(9);
     return bare;
