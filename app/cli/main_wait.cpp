@@ -40,8 +40,10 @@ std::optional<int> MainWait::until(Instant deadline, std::span<const int> others
     const Duration left = std::clamp(deadline - monotonic_now(), Duration::zero(), kLongestWait);
     // Rounded up: a wait that ends too early would be followed by a wait of 0 ms.
     const auto wait = std::chrono::ceil<std::chrono::milliseconds>(left);
-    ::poll(watched.data(), watched.size(), static_cast<int>(wait.count()));
-    if (watched.front().revents == 0) {
+    const int readable = ::poll(watched.data(), watched.size(), static_cast<int>(wait.count()));
+    const bool signalled = readable > 0 && watched.front().revents != 0;
+    other_readable_ = readable > (signalled ? 1 : 0);
+    if (!signalled) {
         return std::nullopt;
     }
     std::array<signalfd_siginfo, 8> came{};

@@ -25,11 +25,14 @@ class MainWait {
     /// none. Returns the signal, if there was one. If several are pending, it returns the one with
     /// the highest number: SIGTERM before SIGINT before SIGHUP.
     std::optional<int> until(Instant deadline, std::span<const int> others = {});
+    /// Whether the latest wait found one of its `others` readable.
+    bool other_readable() const { return other_readable_; }
 
   private:
     explicit MainWait(UniqueFd signals) : signals_(std::move(signals)) {}
 
     UniqueFd signals_;
+    bool other_readable_ = false;
 };
 
 }  // namespace tribus

@@ -165,7 +165,11 @@ std::size_t Loop::wait_until(Instant until) {
     for (int i = 0; i < count; ++i) {
         const void* place = events[static_cast<std::size_t>(i)].data.ptr;
         if (place != nullptr) {
-            ready_[ready++] = *static_cast<const std::size_t*>(place);
+            ready_[ready] = *static_cast<const std::size_t*>(place);
+            if (events[static_cast<std::size_t>(i)].events != EPOLLIN) {
+                watch_again(ports_[ready_[ready]]);
+            }
+            ++ready;
             continue;
         }
         event_came_ = true;

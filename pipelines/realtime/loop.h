@@ -219,6 +219,7 @@ class Loop {
     void discard_unread_of(Link& link, Instant now);
     void watch(std::size_t port);
     void set_watched(std::size_t port, bool watched);
+    void watch_again(const Port& port);
     void lose(Port& port);
     void set_device_present(const Port& port);
     void set_devices_present();

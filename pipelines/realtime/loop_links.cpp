@@ -12,6 +12,13 @@
 /// Moves links between the data thread, which uses them, and the main thread, which opens and
 /// closes them.
 namespace tribus {
+namespace {
+
+std::uint32_t arrivals(const Link& link) {
+    return link.wakes_at_each_arrival() ? EPOLLIN | EPOLLET : EPOLLIN;
+}
+
+}  // namespace
 
 void Loop::watch(std::size_t port) {
     Link* link = ports_[port].link.get();
@@ -22,7 +29,7 @@ void Loop::watch(std::size_t port) {
     // The kernel reports a hang-up without EPOLLIN. Bytes that nobody reads would wake the thread
     // for ever. A CAN socket also reports what became of sent frames.
     const bool wanted = wants_bytes(ports_[port].wiring.stations) || link->as_can() != nullptr;
-    event.events = wanted ? EPOLLIN : 0U;
+    event.events = wanted ? arrivals(*link) : 0U;
     event.data.ptr = ports_[port].place.get();
     const auto add = [&](int descriptor) {
         return descriptor < 0 || ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, descriptor, &event) == 0;
@@ -33,10 +40,19 @@ void Loop::watch(std::size_t port) {
 }
 
 void Loop::set_watched(std::size_t port, bool watched) {
+    const Link& link = *ports_[port].link;
     epoll_event event{};
-    event.events = watched ? EPOLLIN : 0U;
+    event.events = watched ? arrivals(link) : 0U;
     event.data.ptr = ports_[port].place.get();
-    ::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, ports_[port].link->descriptor(), &event);
+    ::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, link.descriptor(), &event);
+}
+
+/// Lets epoll report once more what a port still has: bytes that were not read, or a hang-up.
+[[gnu::noinline]] void Loop::watch_again(const Port& port) {
+    if (port.link && port.quiet_until == kNever && port.link->wakes_at_each_arrival() &&
+        wants_bytes(port.wiring.stations)) {
+        set_watched(*port.place, true);
+    }
 }
 
 [[gnu::noinline]] void Loop::lose(Port& port) {

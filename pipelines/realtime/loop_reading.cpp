@@ -172,6 +172,8 @@ void Loop::read_port(std::size_t index, Instant now) {
                                                : read_can(port.wiring, *port.link->as_can(), now);
     if (status == ReadStatus::lost) {
         lose(port);
+    } else if (bytes != nullptr && reception_.full) {
+        watch_again(port);
     }
 }
 
@@ -189,6 +191,7 @@ ReadStatus Loop::catch_up_on_bytes(const PortWiring& wiring, ByteLink& link, Ins
     ReadStatus status = ReadStatus::received;
     std::size_t bytes = 0;
     bool discards = now - since >= stations_.useful_for(wiring.stations);
+    reception_.full = false;
     reception_.goes_on = false;
     for (int reads = 0; !discards && (reads < kMostReads || reception_.goes_on); ++reads) {
         status = link.read(reception_);
@@ -225,6 +228,9 @@ ReadStatus Loop::catch_up_on_bytes(const PortWiring& wiring, ByteLink& link, Ins
             status = read_can(port.wiring, *can, now);
         } else if (wants_bytes(port.wiring.stations)) {
             status = catch_up_on_bytes(port.wiring, *port.link->as_bytes(), since, now);
+            if (reception_.full) {
+                watch_again(port);
+            }
         }
         if (status == ReadStatus::lost) {
             lose(port);

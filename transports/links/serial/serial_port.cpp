@@ -248,6 +248,7 @@ ReadStatus SerialPort::read(Reception& reception) {
         return reception.count > 0 ? ReadStatus::received : ReadStatus::nothing;
     }
     if (taken < 0 && (error == EAGAIN || error == EINTR)) {
+        reception.full = error == EINTR;
         return ReadStatus::nothing;
     }
     // End of file is a hang-up. Any other error would occur again at every wake-up, so the port is

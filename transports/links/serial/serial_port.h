@@ -47,6 +47,7 @@ class SerialPort : public ByteLink {
     WriteStatus write_asked(std::span<const std::uint8_t> frame) override;
 
     int descriptor() const override { return fd_.get(); }
+    bool wakes_at_each_arrival() const override { return true; }
 
     /// Several times the longest frame on the line (SBUS 3 ms, i.Bus 3.1 ms).
     static constexpr int kMostDrainMilliseconds = 20;

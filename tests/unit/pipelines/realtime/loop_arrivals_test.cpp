@@ -1,0 +1,129 @@
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <memory>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "config/build/build.h"
+#include "config/load.h"
+#include "pipelines/realtime/clock.h"
+#include "pipelines/realtime/loop.h"
+#include "tests/support/ibus_frames.h"
+
+namespace tribus::test::loop_arrivals_test {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct Pipe {
+    UniqueFd out;
+    UniqueFd in;
+
+    static Pipe open() {
+        std::array<int, 2> ends{};
+        EXPECT_EQ(::pipe2(ends.data(), O_NONBLOCK), 0);
+        return {UniqueFd(ends[0]), UniqueFd(ends[1])};
+    }
+    void write(const Bytes& bytes) const {
+        ASSERT_EQ(::write(in.get(), bytes.data(), bytes.size()),
+                  static_cast<ssize_t>(bytes.size()));
+    }
+};
+
+/// Reads from a pipe, which wakes epoll at each write, also at the last one before it is closed.
+class PipeLink : public ByteLink {
+  public:
+    explicit PipeLink(UniqueFd pipe) : pipe_(std::move(pipe)) {}
+
+    int descriptor() const override { return pipe_.get(); }
+    bool wakes_at_each_arrival() const override { return true; }
+    ReadStatus read(Reception& reception) override {
+        const ssize_t taken = ::read(pipe_.get(), reception.bytes.data(), reception.bytes.size());
+        reception.count = taken > 0 ? static_cast<std::size_t>(taken) : 0;
+        reception.full = reception.count == reception.bytes.size();
+        return taken > 0 ? ReadStatus::received
+                         : (taken == 0 ? ReadStatus::lost : ReadStatus::nothing);
+    }
+    WriteStatus write(std::span<const std::uint8_t>) override { return WriteStatus::written; }
+    void discard_unread() override {}
+
+  private:
+    UniqueFd pipe_;
+};
+
+/// An input of i.Bus that reads from a pipe. Its output has no device.
+class LoopArrivals : public testing::Test {
+  protected:
+    LoopArrivals() {
+        const auto configuration = load_configuration(
+            "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"/dev/pipe\"\n"
+            "[output.servos]\nprotocol = \"sbus\"\ndevice = \"/dev/none\"\n"
+            "[pipeline.main]\nfrom = \"receiver\"\nto = \"servos\"\n",
+            "test.toml");
+        EXPECT_TRUE(configuration);
+        engine_ = build_engine(*configuration);
+        std::vector<PortWiring> wiring;
+        std::vector<std::unique_ptr<Link>> links;
+        for (PortPlan& plan : plan_ports(*configuration)) {
+            const bool reads = plan.config.device == "/dev/pipe";
+            links.push_back(reads ? std::make_unique<PipeLink>(std::move(pipe_.out)) : nullptr);
+            plan.wiring.byte_time = {};
+            wiring.push_back(std::move(plan.wiring));
+        }
+        loop_ = std::make_unique<Loop>(*engine_, std::move(wiring), std::move(links));
+        EXPECT_TRUE(loop_->prepare());
+    }
+    ~LoopArrivals() override {
+        loop_->request_end();
+        thread_.join();
+    }
+    void start() {
+        thread_ = std::thread([this] { loop_->run(); });
+    }
+    /// Waits until it holds, but not for ever.
+    template <class Condition>
+    static bool comes_true(Condition condition) {
+        for (const Instant end = monotonic_now() + 5s; monotonic_now() < end;) {
+            if (condition()) {
+                return true;
+            }
+            std::this_thread::sleep_for(1ms);
+        }
+        return false;
+    }
+
+    Pipe pipe_ = Pipe::open();
+    std::unique_ptr<Engine> engine_;
+    std::unique_ptr<Loop> loop_;
+    std::thread thread_;
+};
+
+TEST_F(LoopArrivals, AreReadToTheLastThoughOneWakeDoesNotTakeAll) {
+    constexpr std::size_t kFrames = 700;  // a wake takes 64 reads of 256 bytes, 512 frames
+    Bytes bytes;
+    for (std::size_t i = 0; i < kFrames; ++i) {
+        append(bytes, from_hex(kIa6bFrame));
+    }
+    pipe_.write(bytes);
+    start();
+    EXPECT_TRUE(comes_true([this] { return loop_->input_status(0).counts.frames == kFrames; }))
+        << loop_->input_status(0).counts.frames;
+}
+
+TEST_F(LoopArrivals, WithTheHangUpBehindThemLoseTheLink) {
+    pipe_.write(from_hex(kIa6bFrame));
+    pipe_.in.reset();
+    start();
+    EXPECT_TRUE(comes_true([this] { return loop_->take_lost(0) != nullptr; }));
+    EXPECT_EQ(loop_->input_status(0).counts.frames, 1U);
+}
+
+}  // namespace
+}  // namespace tribus::test::loop_arrivals_test
