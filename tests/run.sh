@@ -26,14 +26,14 @@ prepare_and_build() {
     build ON "$@"
 }
 
-# Many tests wait more than they compute, so three times as many run as there are processors.
+# Many tests wait more than they compute, so four times as many run as there are processors.
 run_tests() {
-    ctest --test-dir build --output-on-failure --parallel $(($(nproc) * 3)) "$@"
+    ctest --test-dir build --output-on-failure --parallel $(($(nproc) * 4)) "$@"
 }
 
 first_tier() {
     prepare_and_build all
-    step 3 "Testing (2 to 3 minutes)"
+    step 3 "Testing (2 minutes)"
     run_tests --label-exclude 'lab|long' "$@"
 }
 

@@ -1,24 +1,56 @@
 # Read by ctest when it starts: makes an entry of each suite in a program of googletest, named
 # PROGRAM.SUITE. A process for each single test would cost more than most tests do.
+# Needs the number of processors in `processors`.
 
-# Suites that take 4 seconds and more, the longest first. They start first: at the end processors
-# would wait for them.
-set(costly StateLogAtPtys NeverStale Frames/CodecCounts LineJudge Engine/ProductCounts AttackedLink
-    References Redundancy Formats/CanChainTest InitText SbusBound)
-# Suites that count what a running program does: other work adds wake-ups.
-set(quiet_suites "Frames/DaemonCounts|DaemonSystemCalls|WebCounts")
+# Suites that compute for 3 seconds and more, the longest first. They start first: at the end
+# processors would wait for them.
+set(costly AttackedLink Usual/LineJudgeAtAPort Frames/CodecCounts References NeverStale InitText
+    Formats/CanChainTest SbusBound SensorBus SensorTypes Attacker)
+# Suites that wait for real time. All others compute: they leave the processors to whoever waits, and
+# some more of them than there are processors run at a time, so that tests that wait run beside them.
+set(waiting "StateLog.*")
+math(EXPR at_a_time "${processors} + 1")
+set(computed 0)
+set(leaving_processors chrt --idle 0)
+execute_process(COMMAND ${leaving_processors} true
+    RESULT_VARIABLE refused OUTPUT_QUIET ERROR_QUIET)
+if(refused)
+    set(leaving_processors "")
+endif()
+# Suites that count what a running program does: other work adds wake-ups. Two of them run at a time,
+# those at even places and those at odd ones.
+set(counting WebCounts Frames/DaemonCounts DaemonSystemCalls)
+list(JOIN counting "|" quiet_suites)
 
 # Those that compute, and those that the machine must not disturb. The second ones begin when the
 # first ones are over, some at a time.
 set(computing "")
 set(quiet "")
 
-function(add_suite_or_test name program filter seconds)
-    add_test("${name}" "${program}" --gtest_brief=1 "--gtest_filter=${filter}")
+# add_suite_or_test(NAME FILTER SECONDS COMMAND...)
+function(add_suite_or_test name filter seconds)
+    add_test("${name}" ${ARGN} --gtest_brief=1 "--gtest_filter=${filter}")
     # A process keeps the memory that it frees: the kernel would clear it anew for each of
     # thousands of simulated worlds, which takes longer than to simulate them.
     set_tests_properties("${name}" PROPERTIES TIMEOUT ${seconds} ENVIRONMENT
         "MALLOC_MMAP_THRESHOLD_=1000000000;MALLOC_TRIM_THRESHOLD_=1000000000")
+endfunction()
+
+# add_computing_suite(NAME SUITE PROGRAM SECONDS): with the policy SCHED_IDLE.
+function(add_computing_suite name suite program seconds)
+    add_suite_or_test("${name}" "${suite}.*" ${seconds} ${leaving_processors}
+        "${program}")
+    list(FIND costly "${suite}" place)
+    if(place EQUAL -1)
+        math(EXPR lock "${computed} % ${at_a_time}")
+        math(EXPR computed "${computed} + 1")
+        set(computed ${computed} PARENT_SCOPE)
+        set(cost 0)
+    else()
+        math(EXPR lock "${place} % ${at_a_time}")
+        math(EXPR cost "100 - ${place}")
+    endif()
+    set_tests_properties("${name}" PROPERTIES COST ${cost} RESOURCE_LOCK "computing ${lock}")
 endfunction()
 
 # add_suites(PROGRAM_NAME PROGRAM_FILE SECONDS LONG): suites whose names match LONG get the label
@@ -39,29 +71,32 @@ function(add_suites name program seconds long)
             if(suite MATCHES "^(${quiet_suites})$")
                 continue()
             endif()
-            add_suite_or_test("${name}.${suite}" "${program}" "${suite}.*" ${seconds})
-            list(APPEND computing "${name}.${suite}")
-            list(FIND costly "${suite}" place)
-            if(place GREATER -1)
-                math(EXPR cost "100 - ${place}")
-                set_tests_properties("${name}.${suite}" PROPERTIES COST ${cost})
+            if(suite MATCHES "^(${waiting})$")
+                add_suite_or_test("${name}.${suite}" "${suite}.*" ${seconds} "${program}")
+                set_tests_properties("${name}.${suite}" PROPERTIES COST 100)
+            else()
+                add_computing_suite("${name}.${suite}" "${suite}" "${program}" ${seconds})
             endif()
+            list(APPEND computing "${name}.${suite}")
             if(suite MATCHES "${long}")
                 set_tests_properties("${name}.${suite}" PROPERTIES LABELS long)
             endif()
         elseif(suite MATCHES "^(${quiet_suites})$" AND line MATCHES "^ +(.+)$")
             set(test "${suite}.${CMAKE_MATCH_1}")
-            add_suite_or_test("${name}.${test}" "${program}" "${test}" ${seconds})
+            add_suite_or_test("${name}.${test}" "${test}" ${seconds} "${program}")
+            list(FIND counting "${suite}" place)
+            math(EXPR lock "${place} % 2")
+            set_tests_properties("${name}.${test}" PROPERTIES COST 50 RESOURCE_LOCK "counting ${lock}")
             list(APPEND quiet "${name}.${test}")
         endif()
     endforeach()
+    set(computed ${computed} PARENT_SCOPE)
     set(computing "${computing}" PARENT_SCOPE)
     set(quiet "${quiet}" PARENT_SCOPE)
 endfunction()
 
-# keep_quiet(PROCESSORS TEST...): some at a time.
-function(keep_quiet processors)
+# keep_quiet(TEST...): these too.
+function(keep_quiet)
     set_tests_properties(${ARGN} ${quiet} PROPERTIES
         PROCESSORS ${processors} DEPENDS "${computing}")
-    set_tests_properties(${quiet} PROPERTIES COST 50)
 endfunction()

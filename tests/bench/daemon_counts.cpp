@@ -172,7 +172,7 @@ tl::expected<Subject, std::string> started_daemon(std::size_t lanes,
 
 tl::expected<DaemonInstructions, std::string> daemon_instructions(Carries carries) {
     constexpr std::uint64_t kFew = 200;
-    constexpr std::uint64_t kMany = 1000;
+    constexpr std::uint64_t kMany = 700;
     const auto few = instructions_of_run(carries, kFew);
     const auto many = instructions_of_run(carries, kMany);
     if (!few || !many) {

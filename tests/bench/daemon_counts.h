@@ -48,7 +48,7 @@ struct DaemonInstructions {
     double a_second_of_main_thread = 0;
 };
 
-/// Counts with callgrind, one frame in 7.7 ms. Takes 20 s.
+/// Counts with callgrind, one frame in 7.7 ms. Takes 9 s.
 tl::expected<DaemonInstructions, std::string> daemon_instructions(Carries carries);
 
 struct DaemonCalls {

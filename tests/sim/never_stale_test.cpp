@@ -16,8 +16,6 @@
 namespace tribus::test::never_stale_test {
 namespace {
 
-constexpr std::uint64_t kSeeds = 600;
-
 /// Reloads and stalls of the program itself, spread over the time of the troubles.
 struct OwnTroubles {
     int reloads = 0;
@@ -50,31 +48,41 @@ std::optional<std::string> broken_in(std::uint64_t seed, WorldKind kind, OwnTrou
     return broken ? std::optional(*broken + "\n" + world.text()) : std::nullopt;
 }
 
+void expect_promises_kept(std::uint64_t seeds, WorldKind kind, OwnTroubles own = {}) {
+    for_each_seed(seeds,
+                  [&](std::uint64_t seed) { EXPECT_EQ(broken_in(seed, kind, own), std::nullopt); });
+}
+
 TEST(NeverStale, no_random_world_breaks_a_promise) {
-    for_each_seed(kSeeds, [](std::uint64_t seed) {
-        EXPECT_EQ(broken_in(seed, WorldKind::serial), std::nullopt);
-    });
+    expect_promises_kept(150, WorldKind::serial);
 }
 
 TEST(NeverStale, no_random_world_with_can_breaks_a_promise) {
-    constexpr std::uint64_t kSeedsWithCan = 300;
-    for_each_seed(kSeedsWithCan, [](std::uint64_t seed) {
-        EXPECT_EQ(broken_in(seed, WorldKind::with_can), std::nullopt);
-    });
+    expect_promises_kept(75, WorldKind::with_can);
 }
 
 TEST(NeverStale, no_reload_in_a_random_world_breaks_a_promise) {
-    constexpr std::uint64_t kReloadedSeeds = 200;
-    for_each_seed(kReloadedSeeds, [](std::uint64_t seed) {
-        EXPECT_EQ(broken_in(seed, WorldKind::with_can, kReloads), std::nullopt);
-    });
+    expect_promises_kept(50, WorldKind::with_can, kReloads);
 }
 
 TEST(NeverStale, no_reader_that_stalls_in_a_random_world_breaks_a_promise) {
-    constexpr std::uint64_t kStalledSeeds = 300;
-    for_each_seed(kStalledSeeds, [](std::uint64_t seed) {
-        EXPECT_EQ(broken_in(seed, WorldKind::with_can, kStalls), std::nullopt);
-    });
+    expect_promises_kept(75, WorldKind::with_can, kStalls);
+}
+
+TEST(NeverStaleInManyWorlds, no_random_world_breaks_a_promise) {
+    expect_promises_kept(600, WorldKind::serial);
+}
+
+TEST(NeverStaleInManyWorlds, no_random_world_with_can_breaks_a_promise) {
+    expect_promises_kept(300, WorldKind::with_can);
+}
+
+TEST(NeverStaleInManyWorlds, no_reload_in_a_random_world_breaks_a_promise) {
+    expect_promises_kept(200, WorldKind::with_can, kReloads);
+}
+
+TEST(NeverStaleInManyWorlds, no_reader_that_stalls_in_a_random_world_breaks_a_promise) {
+    expect_promises_kept(300, WorldKind::with_can, kStalls);
 }
 
 /// Seeds that tests/sim/run.sh found before the faults were fixed.

@@ -29,6 +29,10 @@ TEST(SnapshotTest, a_reader_never_sees_half_of_a_value) {
             Value value;
             value.same.fill(number);
             snapshot.publish(value);
+            // Without a pause the reader would be overtaken nearly always.
+            for (std::uint64_t pauses = number % 4; pauses > 0; --pauses) {
+                std::this_thread::yield();
+            }
         }
     });
     for (int i = 0; i < 100'000; ++i) {

@@ -40,10 +40,18 @@ const std::vector<std::string> kSensorBuses{"ibus_sensor_ia6b_2sensors.timed.txt
 const std::string kSbus2 = "sbus2_r7008SB.timed.txt";
 
 /// Ports of both kinds that deliver each byte, or once a millisecond what has come.
-const std::vector<HeardBy> kPorts{{UartKind::waits_for_idle, Duration(1)},
-                                  {UartKind::waits_for_idle, milliseconds(1)},
-                                  {UartKind::takes_error_for_start, Duration(1)},
-                                  {UartKind::takes_error_for_start, milliseconds(1)}};
+constexpr HeardBy kEachByteWaitingForIdle{UartKind::waits_for_idle, Duration(1)};
+constexpr HeardBy kLumpsWaitingForIdle{UartKind::waits_for_idle, milliseconds(1)};
+constexpr HeardBy kEachByteAtOnce{UartKind::takes_error_for_start, Duration(1)};
+constexpr HeardBy kLumpsAtOnce{UartKind::takes_error_for_start, milliseconds(1)};
+
+class LineJudgeAtAPort : public testing::TestWithParam<HeardBy> {};
+
+/// The first tier has each property of a port, the second one has the other pairs.
+INSTANTIATE_TEST_SUITE_P(Usual, LineJudgeAtAPort,
+                         testing::Values(kEachByteWaitingForIdle, kLumpsAtOnce));
+INSTANTIATE_TEST_SUITE_P(Further, LineJudgeAtAPort,
+                         testing::Values(kLumpsWaitingForIdle, kEachByteAtOnce));
 
 SentAs ibus_sent(bool inverted = false) {
     return {.sender = {.line = kIbusLine, .inverted = inverted}, .pause_bits = 1};
@@ -59,144 +67,120 @@ void expect_period(const LineStory& story, Duration expected) {
         << story.period->count();
 }
 
-TEST(LineJudge, knows_ibus_of_14_channels) {
-    for (const HeardBy& port : kPorts) {
-        for (const std::string& name : kIbus14) {
-            const LineStory story = story_of(name, ibus_sent(), port);
-            EXPECT_EQ(story.sound, LineSound::frames);
-            EXPECT_EQ(story.protocol, "ibus");
-            EXPECT_EQ(story.channels, 14U);
-            EXPECT_EQ(story.line, kIbusLine);
-            expect_period(story, microseconds(7701));
-        }
-    }
-}
-
-TEST(LineJudge, knows_ibus_of_18_channels) {
-    for (const HeardBy& port : kPorts) {
-        const LineStory story = story_of(kIbus18, ibus_sent(), port);
+TEST_P(LineJudgeAtAPort, knows_ibus_of_14_channels) {
+    for (const std::string& name : kIbus14) {
+        const LineStory story = story_of(name, ibus_sent(), GetParam());
         EXPECT_EQ(story.sound, LineSound::frames);
         EXPECT_EQ(story.protocol, "ibus");
-        EXPECT_EQ(story.channels, 18U);
-        expect_period(story, microseconds(4000));
+        EXPECT_EQ(story.channels, 14U);
+        EXPECT_EQ(story.line, kIbusLine);
+        expect_period(story, microseconds(7701));
     }
 }
 
-TEST(LineJudge, knows_sbus2_and_futabas_scale) {
-    for (const HeardBy& port : kPorts) {
-        const LineStory story = story_of(kSbus2, {.sender = {.line = kSbusLine}}, port);
-        EXPECT_EQ(story.sound, LineSound::frames);
+TEST_P(LineJudgeAtAPort, knows_ibus_of_18_channels) {
+    const LineStory story = story_of(kIbus18, ibus_sent(), GetParam());
+    EXPECT_EQ(story.sound, LineSound::frames);
+    EXPECT_EQ(story.protocol, "ibus");
+    EXPECT_EQ(story.channels, 18U);
+    expect_period(story, microseconds(4000));
+}
+
+TEST_P(LineJudgeAtAPort, knows_sbus2_and_futabas_scale) {
+    const LineStory story = story_of(kSbus2, {.sender = {.line = kSbusLine}}, GetParam());
+    EXPECT_EQ(story.sound, LineSound::frames);
+    EXPECT_EQ(story.protocol, "sbus");
+    EXPECT_EQ(story.line, kSbusLine);
+    EXPECT_TRUE(story.sbus2);
+    EXPECT_EQ(story.scale.name, "futaba");
+    expect_period(story, milliseconds(15));
+}
+
+TEST_P(LineJudgeAtAPort, knows_fast_sbus) {
+    const LineStory story = story_of(kSbus2, {.sender = {.line = kFastSbusLine}}, GetParam());
+    EXPECT_EQ(story.sound, LineSound::frames);
+    EXPECT_EQ(story.protocol, "sbus");
+    EXPECT_EQ(story.line, kFastSbusLine);
+}
+
+TEST_P(LineJudgeAtAPort, knows_the_sensor_bus) {
+    for (const std::string& name : kSensorBuses) {
+        const LineStory story = story_of(name, ibus_sent(), GetParam());
+        EXPECT_EQ(story.sound, LineSound::frames) << name;
+        EXPECT_EQ(story.protocol, "ibus-sensor") << name;
+        EXPECT_GT(story.requests, 40U) << name;
+        EXPECT_GT(story.replies, 15U) << name;
+        expect_period(story, microseconds(7701));
+    }
+}
+
+TEST_P(LineJudgeAtAPort, knows_inverted_ibus) {
+    for (const std::string& name : {kIbus14[0], kIbus14[1], kIbus18}) {
+        const LineStory story = story_of(name, ibus_sent(true), GetParam());
+        EXPECT_EQ(story.sound, LineSound::inverted) << name;
+        EXPECT_EQ(story.protocol, "ibus") << name;
+        expect_period(story, name == kIbus18 ? microseconds(4000) : microseconds(7701));
+    }
+}
+
+TEST_P(LineJudgeAtAPort, knows_inverted_ibus_of_senders_that_make_no_pause) {
+    const LineStory story =
+        story_of(kIbus14[0], {.sender = {.line = kIbusLine, .inverted = true}}, GetParam());
+    EXPECT_EQ(story.sound, LineSound::inverted);
+    EXPECT_EQ(story.protocol, "ibus");
+}
+
+TEST_P(LineJudgeAtAPort, knows_inverted_sbus) {
+    for (const LineSettings& line : {kSbusLine, kFastSbusLine}) {
+        const LineStory story =
+            story_of(kSbus2, {.sender = {.line = line, .inverted = true}}, GetParam());
+        EXPECT_EQ(story.sound, LineSound::inverted);
         EXPECT_EQ(story.protocol, "sbus");
-        EXPECT_EQ(story.line, kSbusLine);
-        EXPECT_TRUE(story.sbus2);
-        EXPECT_EQ(story.scale.name, "futaba");
+        EXPECT_EQ(story.line, line);
         expect_period(story, milliseconds(15));
     }
 }
 
-TEST(LineJudge, knows_fast_sbus) {
-    for (const HeardBy& port : kPorts) {
-        const LineStory story = story_of(kSbus2, {.sender = {.line = kFastSbusLine}}, port);
-        EXPECT_EQ(story.sound, LineSound::frames);
-        EXPECT_EQ(story.protocol, "sbus");
-        EXPECT_EQ(story.line, kFastSbusLine);
-    }
+TEST_P(LineJudgeAtAPort, knows_an_inverted_sensor_bus) {
+    const LineStory story = story_of(kSensorBuses[0], ibus_sent(true), GetParam());
+    EXPECT_EQ(story.sound, LineSound::inverted);
+    EXPECT_EQ(story.protocol, "ibus-sensor");
 }
 
-TEST(LineJudge, knows_the_sensor_bus) {
-    for (const HeardBy& port : kPorts) {
-        for (const std::string& name : kSensorBuses) {
-            const LineStory story = story_of(name, ibus_sent(), port);
-            EXPECT_EQ(story.sound, LineSound::frames) << name;
-            EXPECT_EQ(story.protocol, "ibus-sensor") << name;
-            EXPECT_GT(story.requests, 40U) << name;
-            EXPECT_GT(story.replies, 15U) << name;
-            expect_period(story, microseconds(7701));
-        }
-    }
-}
-
-TEST(LineJudge, knows_inverted_ibus) {
-    for (const HeardBy& port : kPorts) {
-        for (const std::string& name : {kIbus14[0], kIbus14[1], kIbus18}) {
-            const LineStory story = story_of(name, ibus_sent(true), port);
-            EXPECT_EQ(story.sound, LineSound::inverted) << name;
-            EXPECT_EQ(story.protocol, "ibus") << name;
-            expect_period(story, name == kIbus18 ? microseconds(4000) : microseconds(7701));
-        }
-    }
-}
-
-TEST(LineJudge, knows_inverted_ibus_of_senders_that_make_no_pause) {
-    for (const HeardBy& port : kPorts) {
-        const LineStory story =
-            story_of(kIbus14[0], {.sender = {.line = kIbusLine, .inverted = true}}, port);
-        EXPECT_EQ(story.sound, LineSound::inverted);
-        EXPECT_EQ(story.protocol, "ibus");
-    }
-}
-
-TEST(LineJudge, knows_inverted_sbus) {
-    for (const HeardBy& port : kPorts) {
-        for (const LineSettings& line : {kSbusLine, kFastSbusLine}) {
-            const LineStory story =
-                story_of(kSbus2, {.sender = {.line = line, .inverted = true}}, port);
-            EXPECT_EQ(story.sound, LineSound::inverted);
-            EXPECT_EQ(story.protocol, "sbus");
-            EXPECT_EQ(story.line, line);
-            expect_period(story, milliseconds(15));
-        }
-    }
-}
-
-TEST(LineJudge, knows_an_inverted_sensor_bus) {
-    for (const HeardBy& port : kPorts) {
-        const LineStory story = story_of(kSensorBuses[0], ibus_sent(true), port);
-        EXPECT_EQ(story.sound, LineSound::inverted);
-        EXPECT_EQ(story.protocol, "ibus-sensor");
-    }
-}
-
-TEST(LineJudge, knows_sbus_without_parity) {
-    for (const HeardBy& port : kPorts) {
-        for (const std::uint8_t stop_bits : {std::uint8_t{1}, std::uint8_t{2}}) {
-            const LineSettings line{.baud = 100'000, .stop_bits = stop_bits};
-            const LineStory story = story_of(kSbus2, {.sender = {.line = line}}, port);
-            EXPECT_EQ(story.sound, LineSound::wrong_parity);
-            EXPECT_EQ(story.protocol, "sbus");
-        }
-    }
-}
-
-TEST(LineJudge, knows_sbus_with_odd_parity) {
-    for (const HeardBy& port : kPorts) {
-        const LineStory story =
-            story_of(kSbus2, {.sender = {.line = kSbusLine, .odd_parity = true}}, port);
+TEST_P(LineJudgeAtAPort, knows_sbus_without_parity) {
+    for (const std::uint8_t stop_bits : {std::uint8_t{1}, std::uint8_t{2}}) {
+        const LineSettings line{.baud = 100'000, .stop_bits = stop_bits};
+        const LineStory story = story_of(kSbus2, {.sender = {.line = line}}, GetParam());
         EXPECT_EQ(story.sound, LineSound::wrong_parity);
         EXPECT_EQ(story.protocol, "sbus");
     }
 }
 
+TEST_P(LineJudgeAtAPort, knows_sbus_with_odd_parity) {
+    const LineStory story =
+        story_of(kSbus2, {.sender = {.line = kSbusLine, .odd_parity = true}}, GetParam());
+    EXPECT_EQ(story.sound, LineSound::wrong_parity);
+    EXPECT_EQ(story.protocol, "sbus");
+}
+
 TEST(LineJudge, knows_ibus_with_parity_where_the_port_gets_into_step_again) {
     const LineSettings line{.baud = kUsualBaud, .parity = Parity::even};
     const LineStory story =
-        story_of(kIbus14[0], {.sender = {.line = line}, .pause_bits = 1}, kPorts[0]);
+        story_of(kIbus14[0], {.sender = {.line = line}, .pause_bits = 1}, kEachByteWaitingForIdle);
     EXPECT_EQ(story.sound, LineSound::wrong_parity);
     EXPECT_EQ(story.protocol, "ibus");
 }
 
-TEST(LineJudge, takes_another_rate_for_nothing_known) {
-    for (const HeardBy& port : kPorts) {
-        for (const std::uint32_t baud : {38'400U, 300'000U}) {
-            const SentAs as{.sender = {.line = {.baud = baud}}, .pause_bits = 1};
-            const LineStory story = story_of(kIbus14[0], as, port);
-            EXPECT_EQ(story.sound, LineSound::unknown)
-                << baud << " " << story.protocol << " at " << story.line.baud;
-        }
-        const LineSettings sbus{.baud = 115'200, .parity = Parity::even, .stop_bits = 2};
-        const LineStory story = story_of(kSbus2, {.sender = {.line = sbus}}, port);
-        EXPECT_EQ(story.sound, LineSound::unknown) << story.protocol << " at " << story.line.baud;
+TEST_P(LineJudgeAtAPort, takes_another_rate_for_nothing_known) {
+    for (const std::uint32_t baud : {38'400U, 300'000U}) {
+        const SentAs as{.sender = {.line = {.baud = baud}}, .pause_bits = 1};
+        const LineStory story = story_of(kIbus14[0], as, GetParam());
+        EXPECT_EQ(story.sound, LineSound::unknown)
+            << baud << " " << story.protocol << " at " << story.line.baud;
     }
+    const LineSettings sbus{.baud = 115'200, .parity = Parity::even, .stop_bits = 2};
+    const LineStory story = story_of(kSbus2, {.sender = {.line = sbus}}, GetParam());
+    EXPECT_EQ(story.sound, LineSound::unknown) << story.protocol << " at " << story.line.baud;
 }
 
 TEST(LineJudge, takes_no_byte_for_silence) {
@@ -206,7 +190,7 @@ TEST(LineJudge, takes_no_byte_for_silence) {
     EXPECT_EQ(story.listened, static_cast<int>(heard.size()) * test::kRecordedTime);
 }
 
-TEST(LineJudge, takes_noise_for_nothing_known) {
+TEST_P(LineJudgeAtAPort, takes_noise_for_nothing_known) {
     std::mt19937 random(7);
     Wire wire({.line = {.baud = 300'000}});
     for (int burst = 0; burst < 100; ++burst) {
@@ -214,16 +198,15 @@ TEST(LineJudge, takes_noise_for_nothing_known) {
         std::ranges::generate(bytes, [&] { return static_cast<std::uint8_t>(random()); });
         wire.send(microseconds(random() % 5000) + wire.end(), bytes);
     }
-    for (const HeardBy& port : kPorts) {
-        EXPECT_EQ(judge_line(heard_of(wire, port)).sound, LineSound::unknown);
-    }
+    EXPECT_EQ(judge_line(heard_of(wire, GetParam())).sound, LineSound::unknown);
 }
 
 /// As FTDI adapters report it: an error in a packet counts for all its bytes, and their values are
 /// lost.
 TEST(LineJudge, hears_a_low_line_where_the_port_tells_breaks_only) {
-    auto heard = heard_of(
-        on_a_wire(recorded(kSbus2), {.sender = {.line = kSbusLine, .inverted = true}}), kPorts[1]);
+    auto heard =
+        heard_of(on_a_wire(recorded(kSbus2), {.sender = {.line = kSbusLine, .inverted = true}}),
+                 kLumpsWaitingForIdle);
     for (Heard& one : heard) {
         for (Burst& burst : one.bursts) {
             std::ranges::fill(burst.bytes, std::uint8_t{0});
@@ -236,8 +219,9 @@ TEST(LineJudge, hears_a_low_line_where_the_port_tells_breaks_only) {
 
 /// Some adapters report neither parity nor framing errors.
 TEST(LineJudge, knows_inverted_sbus_where_the_port_tells_no_errors) {
-    auto heard = heard_of(
-        on_a_wire(recorded(kSbus2), {.sender = {.line = kSbusLine, .inverted = true}}), kPorts[1]);
+    auto heard =
+        heard_of(on_a_wire(recorded(kSbus2), {.sender = {.line = kSbusLine, .inverted = true}}),
+                 kLumpsWaitingForIdle);
     for (Heard& one : heard) {
         for (Burst& burst : one.bursts) {
             burst.damaged.assign(burst.bytes.size(), false);
@@ -369,35 +353,32 @@ LineSettings level(LineSettings line) {
     return line;
 }
 
-TEST(LineJudge, knows_every_protocol_that_can_be_written) {
+TEST_P(LineJudgeAtAPort, knows_every_protocol_that_can_be_written) {
     for (const Protocol* protocol : written_protocols()) {
-        for (const HeardBy& port : kPorts) {
-            const Wire wire = on_a_wire(encoded(*protocol, milliseconds(10)),
-                                        {.sender = {level(protocol->line)}});
-            const LineStory story = judge_line(heard_of(wire, port));
-            EXPECT_EQ(story.sound, LineSound::frames) << protocol->name;
-            EXPECT_EQ(story.protocol, protocol->name);
-            EXPECT_EQ(story.line.baud, protocol->line.baud) << protocol->name;
-            expect_period(story, milliseconds(10));
-        }
+        const Wire wire =
+            on_a_wire(encoded(*protocol, milliseconds(10)), {.sender = {level(protocol->line)}});
+        const LineStory story = judge_line(heard_of(wire, GetParam()));
+        EXPECT_EQ(story.sound, LineSound::frames) << protocol->name;
+        EXPECT_EQ(story.protocol, protocol->name);
+        EXPECT_EQ(story.line.baud, protocol->line.baud) << protocol->name;
+        expect_period(story, milliseconds(10));
     }
 }
 
 /// Frames of MAVLink differ in their second byte already.
-TEST(LineJudge, knows_every_protocol_that_can_be_written_inverted_by_how_its_frames_begin) {
+TEST_P(LineJudgeAtAPort,
+       knows_every_protocol_that_can_be_written_inverted_by_how_its_frames_begin) {
     for (const Protocol* protocol : written_protocols()) {
         if (protocol->beginnings.empty()) {
             EXPECT_EQ(protocol->name, "mavlink");
             continue;
         }
-        for (const HeardBy& port : kPorts) {
-            const Wire wire = on_a_wire(encoded(*protocol, milliseconds(10)),
-                                        {.sender = {level(protocol->line), true}});
-            const LineStory story = judge_line(heard_of(wire, port));
-            EXPECT_EQ(story.sound, LineSound::inverted) << protocol->name;
-            EXPECT_EQ(story.protocol, protocol->name);
-            EXPECT_EQ(story.line.baud, protocol->line.baud) << protocol->name;
-        }
+        const Wire wire = on_a_wire(encoded(*protocol, milliseconds(10)),
+                                    {.sender = {level(protocol->line), true}});
+        const LineStory story = judge_line(heard_of(wire, GetParam()));
+        EXPECT_EQ(story.sound, LineSound::inverted) << protocol->name;
+        EXPECT_EQ(story.protocol, protocol->name);
+        EXPECT_EQ(story.line.baud, protocol->line.baud) << protocol->name;
     }
 }
 
