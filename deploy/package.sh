@@ -208,7 +208,9 @@ if [ $with_tests = ON ] && [ $with_trial = ON ]; then
         board_clock=""
         # These have parts that run in real time, for which an emulator is too slow.
         case $suite in unit_tests | loopback_tests) board_clock=--counted-clock ;; esac
-        run_there "$folder/tests/$suite" --gtest_brief=1 || fail "$suite failed"
+        # What is left out reads texts only, which are the same on every processor, for half an hour.
+        run_there "$folder/tests/$suite" --gtest_brief=1 '--gtest_filter=-InitTextOfEverySet.*' ||
+            fail "$suite failed"
     done
     if [ $with_ports = ON ]; then
         echo "Tests: at the ports of an emulated Raspberry Pi 3" >&2

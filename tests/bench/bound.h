@@ -58,10 +58,11 @@ inline bench::RelaySettings bare_relay(const BoundSettings& settings,
     return {.waits = waits, .priority = settings.priority, .cpu = settings.cpu};
 }
 
-/// The anchor that keeps a deadline too, the least that a program with a failsafe can do: it also
-/// wakes 9 ms after a frame, behind the next one.
-inline bench::RelaySettings with_deadline(bench::RelaySettings bare) {
-    bare.timeout = std::chrono::milliseconds(9);
+/// The anchor that keeps the product's deadline too, the least that a program with a failsafe can
+/// do: it wakes 4.5 ms behind the next expected frame, more than a tick of the kernel.
+inline bench::RelaySettings with_deadline(bench::RelaySettings bare,
+                                          Duration period = bench::kFramePeriod) {
+    bare.timeout = period + std::chrono::microseconds(4500);
     return bare;
 }
 

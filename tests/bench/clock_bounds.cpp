@@ -119,7 +119,7 @@ Figures clock_programmings(const BoundSettings& settings) {
                         : "clock programmings, 64 pipelines / bare relay",
              .value = one ? *counts[1] - *counts[0] : *counts[1] / *counts[0],
              .bound = one ? 0.05 : 1.1,
-             .note = fmt::format("{:.3f} beside {:.3f} and {:.3f}, with a deadline of 9 ms {:.3f}",
+             .note = fmt::format("{:.3f} beside {:.3f} and {:.3f}, with a deadline {:.3f}",
                                  *counts[1], *counts[0], *counts[3], *counts[2])});
     }
     return figures;

@@ -54,7 +54,8 @@ tl::expected<Compared, std::string> compare(const BoundSettings& settings,
     std::array<Measured, 4> measured{
         measure(Subject::relay(kMany, bare), settings, at_one_instant),
         measure(Subject::appliance(kMany, ours), settings, at_one_instant),
-        measure(Subject::relay(kMany, with_deadline(bare)), settings, at_one_instant),
+        measure(Subject::relay(kMany, with_deadline(bare, kReceiverPeriod)), settings,
+                at_one_instant),
         measure(Subject::relay(kMany, bare), settings, at_one_instant)};
     for (const Measured& one : measured) {
         if (!one) {
