@@ -150,8 +150,13 @@ void join_options(CLI::App& app, const CommandOption& option) {
     }
 }
 
-void add_command(CLI::App& app, const Command& command) {
+/// Only a command that is `named` gets its options: those of all commands would take half of the
+/// time in which a program starts.
+void add_command(CLI::App& app, const Command& command, bool named) {
     CLI::App* const added = app.add_subcommand(command.name, command.help);
+    if (!named) {
+        return;
+    }
     for (const CommandOption& option : command.options) {
         add_option(*added, option);
     }
@@ -183,8 +188,13 @@ tl::expected<std::function<int()>, int> read_command_line(std::span<Command> com
     app.formatter(std::make_shared<HelpFormatter>());
     app.require_subcommand(1);
     app.set_version_flag("--version", std::string(version));
+    const std::span words(argv, static_cast<std::size_t>(argc));
     for (const Command& command : commands) {
-        add_command(app, command);
+        const bool named =
+            std::ranges::find(words, std::string_view(command.name), [](const char* word) {
+                return std::string_view(word);
+            }) != words.end();
+        add_command(app, command, named);
     }
     if (argc <= 1) {
         fmt::print(stderr, "{}", app.help());
