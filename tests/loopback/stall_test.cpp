@@ -92,7 +92,7 @@ TEST_F(Stall, shorter_than_the_timeout_is_followed_by_the_newest_frame) {
             line.witness().want_the_newest();
         }
         // Time that a busy machine may take from a write until a read finds the bytes.
-        const timespec pause{.tv_sec = 0, .tv_nsec = 50'000'000};
+        const timespec pause{.tv_sec = 0, .tv_nsec = 200'000'000};
         ::nanosleep(&pause, nullptr);
         const std::uint64_t enough = unmarked() + 10 * lines_.size();
         program.signal(SIGCONT);
