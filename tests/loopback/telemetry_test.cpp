@@ -131,9 +131,16 @@ to = "servos"
         receiver.send(reference::plain_exbus_channels(std::vector<std::uint16_t>(16, 8066)));
         ::usleep(4000);
         receiver.send(reference::plain_exbus_request(++packet));
-        ::usleep(8000);
+        // A receiver waits for 8 ms; as long as this a busy machine may take.
+        auto bytes = receiver.receive();
+        auto answer = reference::plain_exbus_answer(bytes);
+        for (int waited_ms = 0; !answer && waited_ms < 50; ++waited_ms) {
+            ::usleep(1000);
+            const auto more = receiver.receive();
+            bytes.insert(bytes.end(), more.begin(), more.end());
+            answer = reference::plain_exbus_answer(bytes);
+        }
         moves = moves || servos.receive().size() >= 25;
-        const auto answer = reference::plain_exbus_answer(receiver.receive());
         // An answer that came late, or none, is a request without an answer.
         if (!answer || answer->packet != packet) {
             return false;
