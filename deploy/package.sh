@@ -208,7 +208,8 @@ if [ $with_tests = ON ] && [ $with_trial = ON ]; then
         board_clock=""
         # These have parts that run in real time, for which an emulator is too slow.
         case $suite in unit_tests | loopback_tests) board_clock=--counted-clock ;; esac
-        # What is left out reads texts only, which are the same on every processor, for half an hour.
+        # InitTextOfEverySet takes half an hour in a board, and reads texts that are the same on
+        # every processor.
         run_there "$folder/tests/$suite" --gtest_brief=1 '--gtest_filter=-InitTextOfEverySet.*' ||
             fail "$suite failed"
     done

@@ -55,7 +55,7 @@ int run(Daemon& daemon, MainWait& wait, DaemonSockets& sockets) {
             next_look = later(now, kLookPeriod);
             daemon.look(now);
         }
-        // Each round would ask for connections, which takes a third of its time.
+        // To ask for connections in each round would take a third of its time.
         const bool asked = wait.other_readable() || sockets.watched() || now >= sockets.due();
         if (asked && daemon.runs()) {
             sockets.serve(monotonic_now());

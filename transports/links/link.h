@@ -45,7 +45,7 @@ class Link {
     /// Another one, if a read is needed for another reason too; else -1.
     virtual int second_descriptor() const { return -1; }
     /// Whether each arrival wakes epoll anew, and a read that was not full took all that was there:
-    /// then the descriptor needs no look at its state after each read (EPOLLET). Of a terminal that
+    /// then the descriptor needs no look at its state after each read (EPOLLET). At a terminal that
     /// look waits for the kernel's worker that hands over arriving bytes (n_tty_poll calls
     /// tty_buffer_flush_work), and a real-time thread has just taken the processor from it.
     virtual bool wakes_at_each_arrival() const { return false; }
