@@ -24,11 +24,7 @@ std::vector<json> crsf_vectors() {
 }
 
 std::vector<DecodedFrame> frames_of(CrsfDecoder& decoder, const json& vector) {
-    auto frames = test::feed(decoder, test::from_hex(vector.at("bytes_hex").get<std::string>()));
-    for (DecodedFrame late; decoder.silence(late);) {
-        frames.push_back(late);
-    }
-    return frames;
+    return test::all_frames(decoder, test::from_hex(vector.at("bytes_hex").get<std::string>()));
 }
 
 TEST(CrsfVectors, ChannelsAreThoseOfTheSource) {

@@ -27,11 +27,7 @@ bool is_wrong(const json& vector) {
 }
 
 std::vector<DecodedFrame> frames_of(GhstDecoder& decoder, const json& vector) {
-    auto frames = test::feed(decoder, test::from_hex(vector.at("bytes_hex").get<std::string>()));
-    for (DecodedFrame late; decoder.silence(late);) {
-        frames.push_back(late);
-    }
-    return frames;
+    return test::all_frames(decoder, test::from_hex(vector.at("bytes_hex").get<std::string>()));
 }
 
 TEST(GhstVectors, ChannelsAndRawValuesAreThoseOfTheSource) {

@@ -55,80 +55,23 @@ std::vector<LineByte> random_line(Random& random, std::size_t length) {
     while (bytes.size() < length) {
         test::append(bytes, random_burst(random, random.below(2) == 0, still));
     }
-    std::vector<LineByte> line;
-    const std::uint32_t rarity = 5 + random.below(100);
-    for (const std::uint8_t byte : bytes) {
-        switch (random.below(4 * rarity)) {
-            case 0:
-                break;
-            case 1:
-                line.push_back({kTelling[random.below(kTelling.size())], false});
-                line.push_back({byte, false});
-                break;
-            case 2:
-                line.push_back({static_cast<std::uint8_t>(byte ^ 1U << random.below(8)), false});
-                break;
-            case 3:
-                line.push_back({byte, true});
-                break;
-            default:
-                line.push_back({byte, false});
-                break;
-        }
-    }
-    return line;
+    return with_random_faults(bytes, kTelling, random);
 }
 
-std::vector<std::size_t> random_cuts(Random& random, std::size_t length) {
-    std::vector<std::size_t> cuts;
-    const std::uint32_t longest = 1 + random.below(1U << random.below(9));
-    for (std::size_t at = random.below(longest); at < length; at += 1 + random.below(longest)) {
-        cuts.push_back(at);
-    }
-    return cuts;
+Both both_of(std::uint32_t /*seed*/) {
+    return Both(betaflight());
 }
 
 TEST(SbusBesidePlain, AnyLineCutAnywhereGivesTheSame) {
-    std::size_t frames = 0;
-    for (std::uint32_t seed = 1; seed <= 4000; ++seed) {
-        Random random(seed);
-        const auto line = random_line(random, 1500);
-        Both both(betaflight());
-        both.read(line, random_cuts(random, line.size()));
-        both.finish();
-        ASSERT_EQ(both.difference(), "") << "seed " << seed;
-        frames += both.frames();
-    }
-    EXPECT_GT(frames, 10000U);
+    expect_the_same_on_any_line_cut_anywhere(both_of, random_line);
 }
 
 TEST(SbusBesidePlain, PausesAnywhereGiveTheSame) {
-    std::size_t frames = 0;
-    for (std::uint32_t seed = 1; seed <= 4000; ++seed) {
-        Random random(seed);
-        const auto line = random_line(random, 1500);
-        Both both(betaflight());
-        both.read_with_pauses(line, random_cuts(random, 60), random);
-        both.finish();
-        ASSERT_EQ(both.difference(), "") << "seed " << seed;
-        frames += both.frames();
-    }
-    EXPECT_GT(frames, 10000U);
+    expect_the_same_with_pauses_anywhere(both_of, random_line);
 }
 
 TEST(SbusBesidePlain, AnyBytesThatTellSomethingGiveTheSame) {
-    for (std::uint32_t seed = 1; seed <= 3000; ++seed) {
-        Random random(seed);
-        std::vector<LineByte> line(1000);
-        const std::uint32_t kinds = 1 + random.below(kTelling.size());
-        for (LineByte& byte : line) {
-            byte = {kTelling[random.below(kinds)], random.below(60) == 0};
-        }
-        Both both(betaflight());
-        both.read(line, random_cuts(random, line.size()));
-        both.finish();
-        ASSERT_EQ(both.difference(), "") << "seed " << seed;
-    }
+    expect_the_same_on_telling_bytes(both_of, kTelling);
 }
 
 RC_GTEST_PROP(SbusBesidePlainProperty, ALineOfAnyBytesGivesTheSame, ()) {

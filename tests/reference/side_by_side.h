@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -7,6 +8,8 @@
 #include <span>
 #include <string>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "tests/support/streams.h"
 #include "transports/codecs/codec.h"
@@ -27,6 +30,45 @@ inline std::vector<LineByte> on_a_line(std::span<const std::uint8_t> bytes) {
         line.push_back({byte, false});
     }
     return line;
+}
+
+/// A line with `bytes` that loses, damages and changes some of them, and adds some of `telling`.
+inline std::vector<LineByte> with_random_faults(std::span<const std::uint8_t> bytes,
+                                                std::span<const std::uint8_t> telling,
+                                                test::Random& random) {
+    std::vector<LineByte> line;
+    const std::uint32_t rarity = 5 + random.below(100);
+    for (const std::uint8_t byte : bytes) {
+        switch (random.below(4 * rarity)) {
+            case 0:
+                break;
+            case 1:
+                line.push_back(
+                    {telling[random.below(static_cast<std::uint32_t>(telling.size()))], false});
+                line.push_back({byte, false});
+                break;
+            case 2:
+                line.push_back({static_cast<std::uint8_t>(byte ^ 1U << random.below(8)), false});
+                break;
+            case 3:
+                line.push_back({byte, true});
+                break;
+            default:
+                line.push_back({byte, false});
+                break;
+        }
+    }
+    return line;
+}
+
+/// Ascending positions, near each other or far apart.
+inline std::vector<std::size_t> random_cuts(test::Random& random, std::size_t length) {
+    std::vector<std::size_t> cuts;
+    const std::uint32_t longest = 1 + random.below(1U << random.below(9));
+    for (std::size_t at = random.below(longest); at < length; at += 1 + random.below(longest)) {
+        cuts.push_back(at);
+    }
+    return cuts;
 }
 
 template <class Quick, class Plain>
@@ -210,5 +252,56 @@ class SideBySide {
     std::size_t frames_ = 0;
     std::string difference_;
 };
+
+/// Both decoders, which `both_of` makes for a seed, read the same on random lines, which `line_of`
+/// makes, however these are cut into reads.
+template <class MakeBoth, class MakeLine>
+void expect_the_same_on_any_line_cut_anywhere(const MakeBoth& both_of, const MakeLine& line_of) {
+    std::size_t frames = 0;
+    for (std::uint32_t seed = 1; seed <= 4000; ++seed) {
+        test::Random random(seed);
+        const auto line = line_of(random, 1500);
+        auto both = both_of(seed);
+        both.read(line, random_cuts(random, line.size()));
+        both.finish();
+        ASSERT_EQ(both.difference(), "") << "seed " << seed;
+        frames += both.frames();
+    }
+    EXPECT_GT(frames, 10000U);
+}
+
+/// The same with pauses and resets anywhere.
+template <class MakeBoth, class MakeLine>
+void expect_the_same_with_pauses_anywhere(const MakeBoth& both_of, const MakeLine& line_of) {
+    std::size_t frames = 0;
+    for (std::uint32_t seed = 1; seed <= 4000; ++seed) {
+        test::Random random(seed);
+        const auto line = line_of(random, 1500);
+        auto both = both_of(seed);
+        both.read_with_pauses(line, random_cuts(random, 60), random);
+        both.finish();
+        ASSERT_EQ(both.difference(), "") << "seed " << seed;
+        frames += both.frames();
+    }
+    EXPECT_GT(frames, 10000U);
+}
+
+/// The same on lines of a few of the bytes in `telling`, some of them damaged.
+template <class MakeBoth>
+void expect_the_same_on_telling_bytes(const MakeBoth& both_of,
+                                      std::span<const std::uint8_t> telling) {
+    for (std::uint32_t seed = 1; seed <= 3000; ++seed) {
+        test::Random random(seed);
+        std::vector<LineByte> line(1000);
+        const std::uint32_t kinds = 1 + random.below(static_cast<std::uint32_t>(telling.size()));
+        for (LineByte& byte : line) {
+            byte = {telling[random.below(kinds)], random.below(60) == 0};
+        }
+        auto both = both_of(seed);
+        both.read(line, random_cuts(random, line.size()));
+        both.finish();
+        ASSERT_EQ(both.difference(), "") << "seed " << seed;
+    }
+}
 
 }  // namespace tribus::reference

@@ -22,6 +22,17 @@ inline std::vector<double> pulses_of(const ChannelFrame& frame) {
     return values;
 }
 
+/// The numbers, from 1 on, of the channels that the frame has.
+inline std::vector<std::size_t> present(const ChannelFrame& frame) {
+    std::vector<std::size_t> channels;
+    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+        if (frame.has(channel)) {
+            channels.push_back(channel + 1);
+        }
+    }
+    return channels;
+}
+
 /// A good frame with these pulses.
 inline ChannelFrame frame_of_microseconds(const std::vector<double>& values) {
     ChannelFrame frame;

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <optional>
 #include <ostream>
 #include <span>
 #include <string>
@@ -140,6 +142,35 @@ inline std::vector<DecodedFrame> feed(ByteDecoder& decoder, const Bytes& bytes, 
     feed_into(frames, decoder, all.subspan(fault.position + 1), split);
     return frames;
 }
+
+/// The frames in `bytes`, also those that the decoder holds back until the pause behind them.
+inline std::vector<DecodedFrame> all_frames(ByteDecoder& decoder,
+                                            std::span<const std::uint8_t> bytes,
+                                            Split split = kOneRead, const Fault& fault = {}) {
+    auto frames = feed(decoder, Bytes(bytes.begin(), bytes.end()), fault, split);
+    for (DecodedFrame late; decoder.silence(late);) {
+        frames.push_back(late);
+    }
+    return frames;
+}
+
+/// A decoder that gets each frame at its time.
+template <class Decoder>
+class HeardLine {
+  public:
+    static constexpr Instant kStart{std::chrono::hours(1)};
+
+    /// Returns what the frame made, if anything.
+    std::optional<ChannelFrame> hear(const Bytes& bytes, Duration at) {
+        const auto frames = feed(decoder_, bytes, kOneRead, kStart + at);
+        EXPECT_LE(frames.size(), 1U);
+        return frames.empty() ? std::nullopt : std::optional(frames[0].channels);
+    }
+    Decoder& decoder() { return decoder_; }
+
+  private:
+    Decoder decoder_;
+};
 
 inline std::uint64_t count_of(const ByteDecoder& decoder, std::string_view cause) {
     for (const NamedCount& rejected : decoder.rejected()) {

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/stream_rules.h"
 #include "tests/support/streams.h"
 
 namespace tribus::test::framed_decoder_test {
@@ -81,32 +82,11 @@ TEST(FramedDecoder, PassesOverAFrameThatSaysNothingOfChannels) {
 }
 
 TEST(FramedDecoder, FindsTheSameFramesHoweverReadsCutTheStream) {
-    const FrameStream stream = frames_full_of_beginnings(1, 200);
-    TinyDecoder whole;
-    const auto expected = feed(whole, stream.bytes);
-    EXPECT_EQ(expected.size(), 200U);
-    for (std::uint32_t seed = 0; seed < 50; ++seed) {
-        TinyDecoder decoder;
-        const Split split = seed == 0 ? kByteByByte : Split{.longest = 2 * seed, .seed = seed};
-        EXPECT_TRUE(same_frames(feed(decoder, stream.bytes, split), expected)) << seed;
-        EXPECT_EQ(decoder.skipped_bytes(), whole.skipped_bytes()) << seed;
-    }
+    expect_the_same_however_cut(make<TinyDecoder>, frames_full_of_beginnings(1, 200).bytes, 200);
 }
 
 TEST(FramedDecoder, RefusesAFrameWhoseCheckIsWrong) {
-    for (std::size_t at = 0; at < kFrame.size(); ++at) {
-        TinyDecoder decoder;
-        Bytes bytes = kFrame;
-        bytes[at] ^= 0x80;
-        append(bytes, kFrame);
-        auto frames = feed(decoder, bytes);
-        DecodedFrame late;
-        while (decoder.silence(late)) {
-            frames.push_back(late);
-        }
-        ASSERT_EQ(frames.size(), 1U) << at;
-        EXPECT_EQ(frames[0].first_byte, kFrame.size()) << at;
-    }
+    expect_each_flipped_bit_is_refused(make<TinyDecoder>, kFrame, kFrame);
 }
 
 TEST(FramedDecoder, CountsWhatItRefuses) {
@@ -127,11 +107,7 @@ TEST(FramedDecoder, AFaultCostsOnlyFramesThatItTouchesOnceTheLineIsSilent) {
         for (const FaultKind kind : {FaultKind::lost, FaultKind::added, FaultKind::damaged}) {
             const Fault fault{kind, at, 0x5A};
             TinyDecoder decoder;
-            auto frames = feed(decoder, stream.bytes, fault, kOneRead);
-            DecodedFrame late;
-            while (decoder.silence(late)) {
-                frames.push_back(late);
-            }
+            const auto frames = all_frames(decoder, stream.bytes, kOneRead, fault);
             const Damage damage = compare(stream, fault, clean, frames);
             EXPECT_LE(damage.missing.size(), 1U) << fault;
             EXPECT_EQ(decoder.waiting(), 0U) << fault;
@@ -154,13 +130,7 @@ TEST(FramedDecoder, AFrameOfNinetyBytesWithADamagedLastByteIsNone) {
 }
 
 TEST(FramedDecoder, APauseEndsAnIncompleteFrame) {
-    TinyDecoder decoder;
-    feed(decoder, std::span(kFrame).first(kFrame.size() - 1));
-    EXPECT_EQ(decoder.waiting(), kFrame.size() - 1);
-    DecodedFrame frame;
-    EXPECT_FALSE(decoder.silence(frame));
-    EXPECT_EQ(decoder.waiting(), 0U);
-    EXPECT_EQ(feed(decoder, kFrame).size(), 1U);
+    expect_a_pause_ends_a_frame(make<TinyDecoder>, kFrame, kFrame);
 }
 
 TEST(FramedDecoder, ForgetsWhatAnUnpluggedLineSent) {

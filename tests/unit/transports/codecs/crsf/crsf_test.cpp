@@ -11,8 +11,10 @@
 
 #include <gtest/gtest.h>
 
-#include "app/doctor/listening/line_judge.h"
 #include "tests/reference/plain_crsf.h"
+#include "tests/support/channel_bytes.h"
+#include "tests/support/heard_line.h"
+#include "tests/support/stream_rules.h"
 #include "tests/support/streams.h"
 #include "transports/registry/registry.h"
 
@@ -32,15 +34,6 @@ constexpr std::string_view kArmed = "EE1916E0031FF8C0073EF0810F7CE0031FF8C0073EF
 constexpr std::string_view kSubset = "C809172400A0D9E9FF0FD1";
 // EdgeTX, link statistics of a receiver without a transmitter.
 constexpr std::string_view kNoLink = "000C1400000000FF0103000000F4";
-constexpr Instant kStart = Instant(1h);
-
-std::vector<double> microseconds(const ChannelFrame& frame) {
-    std::vector<double> values;
-    for (std::size_t channel = 0; channel < kChannelCount && frame.has(channel); ++channel) {
-        values.push_back(frame.channel(channel)->microseconds());
-    }
-    return values;
-}
 
 Bytes statistics(std::uint8_t link_quality) {
     return plain_crsf(0xC8, 0x14, {60, 70, link_quality, 9, 1, 4, 3, 50, 99, 8});
@@ -52,20 +45,7 @@ Bytes channels_of(std::uint16_t raw) {
     return plain_crsf(0xC8, 0x16, plain_crsf_packed(all));
 }
 
-/// A decoder that gets each frame at its time.
-class Line {
-  public:
-    /// Returns what the frame made, if anything.
-    std::optional<ChannelFrame> hear(const Bytes& bytes, Duration at) {
-        const auto frames = feed(decoder_, bytes, kOneRead, kStart + at);
-        EXPECT_LE(frames.size(), 1U);
-        return frames.empty() ? std::nullopt : std::optional(frames[0].channels);
-    }
-    const CrsfDecoder& decoder() const { return decoder_; }
-
-  private:
-    CrsfDecoder decoder_;
-};
+using Line = HeardLine<CrsfDecoder>;
 
 TEST(CrsfDecoder, ReadsEveryRawValueOfEveryChannelExactly) {
     for (std::uint16_t raw = 0; raw <= 2047; ++raw) {
@@ -105,41 +85,20 @@ TEST(CrsfDecoder, TakesALongerFrameOfChannels) {
     CrsfDecoder decoder;
     const auto frames = feed(decoder, from_hex(kArmed));
     ASSERT_EQ(frames.size(), 1U);
-    EXPECT_EQ(microseconds(frames[0].channels), std::vector<double>(16, 1500));
+    EXPECT_EQ(pulses_of(frames[0].channels), std::vector<double>(16, 1500));
     EXPECT_EQ(frames[0].length, 27U);
 }
 
-TEST(CrsfDecoder, RefusesEachFlippedBit) {
-    const Bytes good = from_hex(kCentred);
-    for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
-        Bytes bytes = good;
-        bytes[bit / 8] = static_cast<std::uint8_t>(bytes[bit / 8] ^ (1U << bit % 8));
-        // Another address of the list is no fault that a reader can see.
-        if (bit < 8 && reference::plain_crsf_frame(bytes, 0)) {
-            continue;
-        }
-        CrsfDecoder decoder;
-        auto frames = feed(decoder, bytes);
-        for (DecodedFrame late; decoder.silence(late);) {
-            frames.push_back(late);
-        }
-        EXPECT_TRUE(frames.empty()) << bit;
-    }
+TEST(CrsfDecoder, RefusesEachFlippedBitAndReadsTheNextFrame) {
+    expect_each_flipped_bit_is_refused(make<CrsfDecoder>, from_hex(kCentred), channels_of(1500));
 }
 
 TEST(CrsfDecoder, FindsAFrameBehindAnyFalseBeginning) {
-    for (std::size_t cut = 1; cut < 26; ++cut) {
-        Bytes bytes = from_hex(kCentred);
-        bytes.resize(cut);
-        append(bytes, channels_of(1500));
-        CrsfDecoder decoder;
-        auto frames = feed(decoder, bytes, kByteByByte);
-        for (DecodedFrame late; decoder.silence(late);) {
-            frames.push_back(late);
-        }
-        ASSERT_EQ(frames.size(), 1U) << cut;
-        EXPECT_EQ(frames[0].first_byte, cut);
-    }
+    expect_a_frame_behind_every_cut_one(make<CrsfDecoder>, from_hex(kCentred), channels_of(1500));
+}
+
+TEST(CrsfDecoder, APauseEndsAFrame) {
+    expect_a_pause_ends_a_frame(make<CrsfDecoder>, from_hex(kCentred), channels_of(1500));
 }
 
 TEST(CrsfDecoder, FindsWhatThePlainFormFindsOnAnyLine) {
@@ -175,11 +134,8 @@ TEST(CrsfDecoder, FindsWhatThePlainFormFindsOnAnyLine) {
         }
         CrsfDecoder decoder;
         std::vector<std::size_t> found;
-        auto frames = feed(decoder, bytes, {.longest = 40, .seed = seed});
-        for (DecodedFrame late; decoder.silence(late);) {
-            frames.push_back(late);
-        }
-        for (const DecodedFrame& frame : frames) {
+        for (const DecodedFrame& frame :
+             all_frames(decoder, bytes, {.longest = 40, .seed = seed})) {
             if (frame.channels.has_any()) {
                 found.push_back(frame.first_byte);
             }
@@ -236,7 +192,7 @@ TEST(CrsfDecoder, ASubsetKeepsTheChannelsOfOthersForATenthOfASecond) {
     line.hear(first, 0ms);
     const auto both = line.hear(second, 100ms);
     ASSERT_TRUE(both);
-    EXPECT_EQ(microseconds(*both), (std::vector<double>{1500, 1500}));
+    EXPECT_EQ(pulses_of(*both), (std::vector<double>{1500, 1500}));
     const auto later = line.hear(second, 101ms);
     ASSERT_TRUE(later);
     EXPECT_FALSE(later->has(0));
@@ -326,7 +282,7 @@ TEST(CrsfDecoder, StatisticsOfAGoodLinkWithoutChannelsAreAFrameWithoutChannels) 
 
 Bytes encoded(CrsfEncoder& encoder, const ChannelFrame& frame, Duration at) {
     std::array<std::uint8_t, kLongestSerialFrame> wire{};
-    const std::size_t length = encoder.write(frame, wire, kStart + at);
+    const std::size_t length = encoder.write(frame, wire, Line::kStart + at);
     return {wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length)};
 }
 
@@ -388,24 +344,17 @@ TEST(CrsfEncoder, WhileSilentItWritesLinkQualityZeroTenTimesASecond) {
     std::array<std::uint8_t, kLongestSerialFrame> wire{};
     const Bytes no_link = plain_crsf(0xC8, 0x14, Bytes(10));
     for (const Duration at : {0ms, 100ms, 205ms}) {
-        const std::size_t length = encoder.write_silence(wire, kStart + at);
+        const std::size_t length = encoder.write_silence(wire, Line::kStart + at);
         EXPECT_EQ(Bytes(wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length)), no_link);
-        EXPECT_EQ(encoder.write_silence(wire, kStart + at + 99ms), 0U);
+        EXPECT_EQ(encoder.write_silence(wire, Line::kStart + at + 99ms), 0U);
     }
 }
 
 TEST(Crsf, IsInTheRegistryAndHeardByDoctor) {
     EXPECT_EQ(find_protocol("crsf"), &kCrsfProtocol);
-    doctor::Heard heard{.line = kCrsfProtocol.line, .listened = 1s, .bursts = {}};
-    for (int i = 0; i < 50; ++i) {
-        Bytes bytes = from_hex(kCentred);
-        if (i % 5 == 0) {
-            append(bytes, statistics(90));
-        }
-        heard.bursts.push_back(
-            {.start = i * 20ms, .bytes = bytes, .damaged = std::vector<bool>(bytes.size())});
-    }
-    const doctor::LineStory story = doctor::judge_line(std::span(&heard, 1));
+    std::vector<Bytes> bursts(5, from_hex(kCentred));
+    append(bursts.back(), statistics(90));
+    const doctor::LineStory story = story_of(kCrsfProtocol, bursts, 20ms);
     EXPECT_EQ(story.protocol, "crsf");
     EXPECT_EQ(story.channels, 16U);
     EXPECT_EQ(story.period, std::optional<Duration>(20ms));

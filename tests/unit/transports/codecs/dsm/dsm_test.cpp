@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "app/doctor/listening/line_judge.h"
+#include "tests/support/heard_line.h"
 #include "tests/support/streams.h"
 #include "tests/unit/transports/codecs/dsm/dsm_lines.h"
 #include "transports/registry/registry.h"
@@ -335,13 +335,8 @@ TEST(Dsm, IsInTheRegistryAsAnInputOnly) {
 }
 
 TEST(Dsm, IsHeardByDoctor) {
-    doctor::Heard heard{.line = kDsmProtocol.line, .listened = 1s, .bursts = {}};
-    for (int i = 0; i < 90; ++i) {
-        const Bytes bytes = from_hex(i % 2 == 0 ? kPhaseA : kPhaseB);
-        heard.bursts.push_back(
-            {.start = i * 11ms, .bytes = bytes, .damaged = std::vector<bool>(bytes.size())});
-    }
-    const doctor::LineStory story = doctor::judge_line(std::span(&heard, 1));
+    const doctor::LineStory story =
+        story_of(kDsmProtocol, {from_hex(kPhaseA), from_hex(kPhaseB)}, 11ms);
     EXPECT_EQ(story.protocol, "dsm");
     EXPECT_EQ(story.channels, 12U);
     EXPECT_EQ(story.period, std::optional<Duration>(11ms));

@@ -12,8 +12,9 @@
 
 #include <gtest/gtest.h>
 
-#include "app/doctor/listening/line_judge.h"
 #include "tests/reference/plain_exbus.h"
+#include "tests/support/heard_line.h"
+#include "tests/support/stream_rules.h"
 #include "tests/support/streams.h"
 #include "transports/codecs/exbus/wire.h"
 #include "transports/registry/registry.h"
@@ -43,19 +44,9 @@ std::vector<double> microseconds(const ChannelFrame& frame, std::size_t count) {
     return values;
 }
 
-/// All frames of a line that ends with a pause.
-std::vector<DecodedFrame> frames_of(ExBusDecoder& decoder, const Bytes& bytes,
-                                    Split split = kOneRead) {
-    auto frames = feed(decoder, bytes, split);
-    for (DecodedFrame late; decoder.silence(late);) {
-        frames.push_back(late);
-    }
-    return frames;
-}
-
 std::size_t frames_in(const Bytes& bytes, Split split = kOneRead) {
     ExBusDecoder decoder;
-    return frames_of(decoder, bytes, split).size();
+    return all_frames(decoder, bytes, split).size();
 }
 
 /// A line as a receiver makes it: channels, then a request and an answer to it. Packet numbers and
@@ -115,7 +106,7 @@ TEST(ExBusDecoder, PassesOverRequestsAndAnswersWithoutARejection) {
     append(bytes, plain_exbus(0x3E, 0x01, 0x32, {1, 2, 3}));
     append(bytes, from_hex(kSixteen));
     ExBusDecoder decoder;
-    const auto frames = frames_of(decoder, bytes, kByteByByte);
+    const auto frames = all_frames(decoder, bytes, kByteByByte);
     ASSERT_EQ(frames.size(), 2U);
     EXPECT_EQ(frames[1].first_byte, bytes.size() - 40);
     EXPECT_EQ(decoder.skipped_bytes(), 0U);
@@ -183,7 +174,7 @@ TEST(ExBusDecoder, ALongestFrameOfAnotherKindIsPassedOverAndNoLongerOne) {
         Bytes bytes = plain_exbus(0x3E, 0x01, 0x40, Bytes(data));
         append(bytes, from_hex(kSixteen));
         ExBusDecoder decoder;
-        EXPECT_EQ(frames_of(decoder, bytes).size(), 1U);
+        EXPECT_EQ(all_frames(decoder, bytes).size(), 1U);
         EXPECT_EQ(decoder.skipped_bytes(), data == 56 ? 0U : 65U);
     }
 }
@@ -199,20 +190,14 @@ TEST(ExBusDecoder, RefusesOtherFirstBytesAccessesAndKinds) {
     }
 }
 
-TEST(ExBusDecoder, RefusesEachFlippedBit) {
-    const Bytes good = from_hex(kSixteen);
-    for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
-        Bytes bytes = good;
-        bytes[bit / 8] = static_cast<std::uint8_t>(bytes[bit / 8] ^ (1U << bit % 8));
-        EXPECT_EQ(frames_in(bytes), 0U) << bit;
-        EXPECT_EQ(frames_in(bytes, kByteByByte), 0U) << bit;
-    }
+TEST(ExBusDecoder, RefusesEachFlippedBitAndReadsTheNextFrame) {
+    expect_each_flipped_bit_is_refused(make<ExBusDecoder>, from_hex(kSixteen), from_hex(kSixteen));
 }
 
 TEST(ExBusDecoder, AFaultAnywhereCostsOnlyTheFrameThatItHits) {
     const FrameStream stream = line_of(1, 6);
     ExBusDecoder undisturbed;
-    const auto clean = frames_of(undisturbed, stream.bytes);
+    const auto clean = all_frames(undisturbed, stream.bytes);
     ASSERT_EQ(clean.size(), 6U);
     for (const FaultKind kind :
          {FaultKind::lost, FaultKind::added, FaultKind::replaced, FaultKind::damaged}) {
@@ -222,10 +207,8 @@ TEST(ExBusDecoder, AFaultAnywhereCostsOnlyTheFrameThatItHits) {
                 const bool copy = at > 0 && stream.bytes[at - 1] == value;
                 const Fault fault{kind, at - (kind == FaultKind::added && copy ? 1 : 0), value};
                 ExBusDecoder decoder;
-                auto frames = feed(decoder, stream.bytes, fault, {.longest = 50, .seed = 7});
-                for (DecodedFrame late; decoder.silence(late);) {
-                    frames.push_back(late);
-                }
+                const auto frames =
+                    all_frames(decoder, stream.bytes, {.longest = 50, .seed = 7}, fault);
                 const Damage damage = compare(stream, fault, clean, frames);
                 EXPECT_EQ(damage.invented, 0U) << fault;
                 EXPECT_LE(damage.missing.size(), 1U) << fault;
@@ -240,53 +223,23 @@ TEST(ExBusDecoder, FindsAFrameInsideOfAFalseOne) {
     EXPECT_EQ(frames_in(outer), 0U);
     outer.back() ^= 1U;
     ExBusDecoder decoder;
-    const auto frames = frames_of(decoder, outer);
+    const auto frames = all_frames(decoder, outer);
     ASSERT_EQ(frames.size(), 1U);
     EXPECT_EQ(frames[0].first_byte, 6U);
     EXPECT_EQ(count_of(decoder, "checksum"), 1U);
 }
 
 TEST(ExBusDecoder, FindsAFrameBehindEveryCutOne) {
-    for (std::size_t cut = 1; cut < 40; ++cut) {
-        Bytes bytes = from_hex(kSixteen);
-        bytes.resize(cut);
-        append(bytes, plain_exbus_channels(Words(12, 12000)));
-        ExBusDecoder decoder;
-        const auto frames = frames_of(decoder, bytes, kByteByByte);
-        ASSERT_EQ(frames.size(), 1U) << cut;
-        EXPECT_EQ(frames[0].first_byte, cut);
-    }
+    expect_a_frame_behind_every_cut_one(make<ExBusDecoder>, from_hex(kSixteen),
+                                        plain_exbus_channels(Words(12, 12000)));
 }
 
 TEST(ExBusDecoder, APauseEndsAFrame) {
-    const Bytes whole = from_hex(kSixteen);
-    for (std::size_t cut = 1; cut < whole.size(); ++cut) {
-        ExBusDecoder decoder;
-        const auto first = std::span(whole).first(cut);
-        EXPECT_TRUE(frames_of(decoder, {first.begin(), first.end()}).empty());
-        const auto rest = std::span(whole).subspan(cut);
-        EXPECT_TRUE(frames_of(decoder, {rest.begin(), rest.end()}).empty()) << cut;
-        EXPECT_EQ(frames_of(decoder, whole).size(), 1U);
-    }
+    expect_a_pause_ends_a_frame(make<ExBusDecoder>, from_hex(kSixteen), from_hex(kSixteen));
 }
 
 TEST(ExBusDecoder, FindsTheSameFramesHoweverReadsCutTheStream) {
-    const FrameStream stream = line_of(2, 100);
-    ExBusDecoder whole;
-    const auto expected = feed(whole, stream.bytes);
-    EXPECT_EQ(expected.size(), 100U);
-    for (std::uint32_t seed = 0; seed < 40; ++seed) {
-        ExBusDecoder decoder;
-        const Split split = seed == 0 ? kByteByByte : Split{.longest = 2 * seed, .seed = seed};
-        EXPECT_TRUE(same_frames(feed(decoder, stream.bytes, split), expected)) << seed;
-    }
-    for (std::size_t cut = 0; cut <= 40; ++cut) {
-        const Bytes bytes = from_hex(kSixteen);
-        ExBusDecoder decoder;
-        auto frames = feed(decoder, std::span(bytes).first(cut));
-        feed_into(frames, decoder, std::span(bytes).subspan(cut));
-        EXPECT_EQ(frames.size(), 1U) << cut;
-    }
+    expect_the_same_however_cut(make<ExBusDecoder>, line_of(2, 100).bytes, 100);
 }
 
 TEST(ExBusDecoder, FindsWhatThePlainFormFindsOnAnyLine) {
@@ -299,7 +252,7 @@ TEST(ExBusDecoder, FindsWhatThePlainFormFindsOnAnyLine) {
             bytes = with_fault(std::move(bytes), {kKinds[random.below(3)], at, random.byte()});
         }
         ExBusDecoder decoder;
-        const auto found = frames_of(decoder, bytes, {.longest = 60, .seed = seed});
+        const auto found = all_frames(decoder, bytes, {.longest = 60, .seed = seed});
         std::size_t count = 0;
         for (const auto& plain : reference::plain_exbus_frames(bytes)) {
             if (!plain.has_channels) {
@@ -331,14 +284,9 @@ TEST(ExBus, IsInTheRegistryAsAnInputOnly) {
 }
 
 TEST(ExBus, IsHeardByDoctor) {
-    doctor::Heard heard{.line = kExBusProtocol.line, .listened = 1s, .bursts = {}};
-    for (int i = 0; i < 100; ++i) {
-        Bytes bytes = from_hex(kSixteen);
-        append(bytes, from_hex(kAsked));
-        heard.bursts.push_back(
-            {.start = i * 10ms, .bytes = bytes, .damaged = std::vector<bool>(bytes.size())});
-    }
-    const doctor::LineStory story = doctor::judge_line(std::span(&heard, 1));
+    Bytes bytes = from_hex(kSixteen);
+    append(bytes, from_hex(kAsked));
+    const doctor::LineStory story = story_of(kExBusProtocol, {bytes}, 10ms);
     EXPECT_EQ(story.protocol, "exbus");
     EXPECT_EQ(story.channels, 16U);
     EXPECT_EQ(story.period, std::optional<Duration>(10ms));

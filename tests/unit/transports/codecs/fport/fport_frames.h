@@ -74,15 +74,6 @@ inline Raw some(std::uint16_t first, std::size_t count = 16) {
     return raw;
 }
 
-inline std::vector<DecodedFrame> all_of(ByteDecoder& decoder, const Bytes& bytes,
-                                        Split split = kOneRead) {
-    auto frames = feed(decoder, bytes, split);
-    for (DecodedFrame late; decoder.silence(late);) {
-        frames.push_back(late);
-    }
-    return frames;
-}
-
 inline void expect_raw(const ChannelFrame& frame, const Raw& raw) {
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
         if (channel >= raw.size()) {

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/stream_rules.h"
 #include "tests/unit/transports/codecs/fport/fport_frames.h"
 
 namespace tribus::test::fport_test {
@@ -30,7 +31,7 @@ class FportFormats : public testing::TestWithParam<Format> {
     /// Compares with the plain form, all values.
     void expect_as_plain(const Bytes& bytes, Split split, std::uint32_t seed) const {
         const auto decoder = format().decoder();
-        const auto frames = all_of(*decoder, bytes, split);
+        const auto frames = all_frames(*decoder, bytes, split);
         auto plain = format().plain(bytes);
         std::erase_if(plain, [](const auto& frame) { return !frame.has_channels; });
         ASSERT_EQ(frames.size(), plain.size()) << seed;
@@ -95,23 +96,16 @@ TEST_P(FportFormats, RawValuesAndRssiAreDetails) {
 TEST_P(FportFormats, PassOverTelemetryWithoutARejection) {
     for (const Split split : {kOneRead, kByteByByte}) {
         const auto decoder = format().decoder();
-        const auto frames = all_of(*decoder, four_frames(), split);
+        const auto frames = all_frames(*decoder, four_frames(), split);
         EXPECT_EQ(frames.size(), 4U);
         EXPECT_EQ(decoder->skipped_bytes(), 0U);
         EXPECT_EQ(count_of(*decoder, "checksum"), 0U);
     }
 }
 
-TEST_P(FportFormats, RefuseEachFlippedBit) {
-    const Bytes good = format().channels(some(700), 0, 60);
-    for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
-        Bytes bytes = good;
-        bytes[bit / 8] = static_cast<std::uint8_t>(bytes[bit / 8] ^ (1U << bit % 8));
-        for (const Split split : {kOneRead, kByteByByte}) {
-            const auto decoder = format().decoder();
-            EXPECT_TRUE(all_of(*decoder, bytes, split).empty()) << bit;
-        }
-    }
+TEST_P(FportFormats, RefuseEachFlippedBitAndReadTheNextFrame) {
+    expect_each_flipped_bit_is_refused(format().decoder, format().channels(some(700), 0, 60),
+                                       format().channels(some(900), 0, 60));
 }
 
 TEST_P(FportFormats, LoseOneFrameAtMostByAByteThatIsLostOrAddedAnywhere) {
@@ -124,10 +118,7 @@ TEST_P(FportFormats, LoseOneFrameAtMostByAByteThatIsLostOrAddedAnywhere) {
         for (const Fault& fault : faults) {
             for (const Split split : {kOneRead, kByteByByte}) {
                 const auto decoder = format().decoder();
-                auto frames = feed(*decoder, good, fault, split);
-                for (DecodedFrame late; decoder->silence(late);) {
-                    frames.push_back(late);
-                }
+                const auto frames = all_frames(*decoder, good, split, fault);
                 EXPECT_GE(frames.size(), 3U) << fault;
                 EXPECT_LE(frames.size(), 4U) << fault;
             }
@@ -145,7 +136,7 @@ TEST_P(FportFormats, FindAFrameBehindAnyFalseBeginning) {
         append(bytes, format().channels(some(900), 0, 60));
         for (const Split split : {kOneRead, kByteByByte}) {
             const auto decoder = format().decoder();
-            const auto frames = all_of(*decoder, bytes, split);
+            const auto frames = all_frames(*decoder, bytes, split);
             ASSERT_EQ(frames.size(), 1U) << cut;
             EXPECT_EQ(frames[0].first_byte, cut);
         }
@@ -153,25 +144,12 @@ TEST_P(FportFormats, FindAFrameBehindAnyFalseBeginning) {
 }
 
 TEST_P(FportFormats, APauseEndsAnIncompleteFrame) {
-    const Bytes whole = format().channels(some(700), 0, 60);
-    for (std::size_t cut = 1; cut < whole.size(); ++cut) {
-        const auto decoder = format().decoder();
-        EXPECT_TRUE(feed(*decoder, std::span(whole).first(cut)).empty());
-        DecodedFrame late;
-        EXPECT_FALSE(decoder->silence(late));
-        EXPECT_TRUE(feed(*decoder, std::span(whole).subspan(cut)).empty()) << cut;
-    }
+    expect_a_pause_ends_a_frame(format().decoder, format().channels(some(700), 0, 60),
+                                format().channels(some(900), 0, 60));
 }
 
 TEST_P(FportFormats, FindTheSameHoweverTheStreamIsCutIntoReads) {
-    const Bytes bytes = four_frames();
-    for (std::size_t cut = 0; cut <= bytes.size(); ++cut) {
-        const auto decoder = format().decoder();
-        std::vector<DecodedFrame> frames;
-        feed_into(frames, *decoder, std::span(bytes).first(cut));
-        feed_into(frames, *decoder, std::span(bytes).subspan(cut));
-        ASSERT_EQ(frames.size(), 4U) << cut;
-    }
+    expect_the_same_however_cut(format().decoder, four_frames(), 4);
 }
 
 TEST_P(FportFormats, FindWhatThePlainFormFindsOnAnyLine) {

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "app/doctor/listening/line_judge.h"
+#include "tests/support/heard_line.h"
 #include "tests/unit/transports/codecs/fport/fport_frames.h"
 #include "transports/registry/registry.h"
 
@@ -84,7 +84,7 @@ TEST(FportDecoder, TakesNoFrameWithoutItsLastMarker) {
     for (unsigned last = 0; last <= 0xFF; ++last) {
         bytes.back() = static_cast<std::uint8_t>(last);
         FportDecoder decoder;
-        EXPECT_EQ(all_of(decoder, bytes).size(), last == 0x7E ? 1U : 0U) << last;
+        EXPECT_EQ(all_frames(decoder, bytes).size(), last == 0x7E ? 1U : 0U) << last;
     }
 }
 
@@ -109,7 +109,8 @@ TEST(FportDecoder, TakesNoOtherLengthAndType) {
             const Bytes bytes = plain_fport_marked(plain_fport_summed(body, 0));
             FportDecoder decoder;
             const bool channels = length == 0x19 && type == 0;
-            ASSERT_EQ(all_of(decoder, bytes).size(), channels ? 1U : 0U) << length << " " << type;
+            ASSERT_EQ(all_frames(decoder, bytes).size(), channels ? 1U : 0U)
+                << length << " " << type;
             const bool telemetry = length == 8 && (type == 0x01 || type == 0x81);
             ASSERT_EQ(decoder.skipped_bytes(), channels || telemetry ? 0U : bytes.size())
                 << length << " " << type;
@@ -165,7 +166,8 @@ TEST(Fport2Decoder, TakesNoOtherLengthAndType) {
             bytes = plain_fport_summed(bytes, 1);
             Fport2Decoder decoder;
             const bool channels = (length == 13 || length == 24 || length == 35) && type == 0xFF;
-            ASSERT_EQ(all_of(decoder, bytes).size(), channels ? 1U : 0U) << length << " " << type;
+            ASSERT_EQ(all_frames(decoder, bytes).size(), channels ? 1U : 0U)
+                << length << " " << type;
             const bool known = channels || length == 8 || (length == 32 && type == 0xF1) ||
                                (length == 24 && (type == 0xF0 || type == 0xF2));
             ASSERT_EQ(decoder.skipped_bytes(), known ? 0U : bytes.size()) << length << " " << type;
@@ -182,9 +184,9 @@ TEST(Fport2Decoder, FindsAFrameInsideABadOneAndNoneInsideAGoodOne) {
     const Bytes good = plain_fport_summed(outer, 1);
     ASSERT_NE(good.back(), 0x00);
     Fport2Decoder in_good;
-    EXPECT_TRUE(all_of(in_good, good).empty());
+    EXPECT_TRUE(all_frames(in_good, good).empty());
     Fport2Decoder in_bad;
-    const auto frames = all_of(in_bad, bad);
+    const auto frames = all_frames(in_bad, bad);
     ASSERT_EQ(frames.size(), 1U);
     EXPECT_EQ(frames[0].first_byte, 3U);
     EXPECT_EQ(count_of(in_bad, "checksum"), 1U);
@@ -216,14 +218,8 @@ TEST(FportProtocols, AreInTheRegistryAndHeardByDoctor) {
     EXPECT_EQ(find_protocol("fbus"), &kFbusProtocol);
     for (const Protocol* protocol : {&kFportProtocol, &kFport2Protocol, &kFbusProtocol}) {
         EXPECT_TRUE(protocol->line.inverted_wire);
-        doctor::Heard heard{.line = protocol->line, .listened = 1s, .bursts = {}};
-        for (int i = 0; i < 100; ++i) {
-            const Bytes bytes =
-                from_hex(protocol == &kFportProtocol ? kRecordedFport : kRecorded24);
-            heard.bursts.push_back(
-                {.start = i * 9ms, .bytes = bytes, .damaged = std::vector<bool>(bytes.size())});
-        }
-        const doctor::LineStory story = doctor::judge_line(std::span(&heard, 1));
+        const doctor::LineStory story = story_of(
+            *protocol, {from_hex(protocol == &kFportProtocol ? kRecordedFport : kRecorded24)}, 9ms);
         EXPECT_EQ(story.protocol, protocol->name);
         EXPECT_EQ(story.channels, protocol == &kFportProtocol ? 16U : 18U);
         EXPECT_EQ(story.period, std::optional<Duration>(9ms));

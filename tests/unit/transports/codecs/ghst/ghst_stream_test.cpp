@@ -1,15 +1,14 @@
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "tests/reference/plain_ghst.h"
+#include "tests/support/stream_rules.h"
 #include "tests/support/streams.h"
 #include "transports/codecs/ghst/ghst.h"
 
@@ -29,14 +28,6 @@ constexpr std::string_view kSecond = "820C304AA4444AA4447B7C7D7E4F";
 Bytes frame_of(std::uint8_t type, unsigned fine, unsigned coarse) {
     return plain_ghst(
         type, plain_ghst_payload({fine, fine, fine, fine}, {coarse, coarse, coarse, coarse}));
-}
-
-std::vector<DecodedFrame> all_frames(GhstDecoder& decoder, const Bytes& bytes, Split split) {
-    auto frames = feed(decoder, bytes, split);
-    for (DecodedFrame late; decoder.silence(late);) {
-        frames.push_back(late);
-    }
-    return frames;
 }
 
 /// Compares places and channels with those of the plain form on the same stream.
@@ -78,22 +69,22 @@ TEST(GhstStream, AShortFrameInsideOfADamagedOneIsNone) {
 }
 
 TEST(GhstStream, RefusesEachFlippedBitAndReadsTheNextFrame) {
-    for (const std::string_view hex : {kFirst, kStatistics}) {
-        for (std::size_t bit = 0; bit < 8 * 14; ++bit) {
-            Bytes bytes = from_hex(hex);
-            bytes[bit / 8] = static_cast<std::uint8_t>(bytes[bit / 8] ^ (1U << bit % 8));
-            append(bytes, from_hex(kSecond));
-            for (const Split split : {kOneRead, kByteByByte}) {
-                GhstDecoder decoder;
-                const auto frames = all_frames(decoder, bytes, split);
-                ASSERT_EQ(frames.size(), 1U) << bit;
-                EXPECT_EQ(frames[0].first_byte, 14U) << bit;
-                EXPECT_EQ(decoder.radio_statistics(), nullptr) << bit;
-            }
-        }
+    expect_each_flipped_bit_is_refused(make<GhstDecoder>, from_hex(kFirst), from_hex(kSecond));
+}
+
+TEST(GhstStream, StatisticsWithAFlippedBitAreNone) {
+    for (std::size_t bit = 0; bit < 8 * 14; ++bit) {
+        Bytes bytes = from_hex(kStatistics);
+        bytes[bit / 8] = static_cast<std::uint8_t>(bytes[bit / 8] ^ (1U << bit % 8));
+        append(bytes, from_hex(kSecond));
+        GhstDecoder decoder;
+        EXPECT_EQ(all_frames(decoder, bytes).size(), 1U) << bit;
+        EXPECT_EQ(decoder.radio_statistics(), nullptr) << bit;
     }
 }
 
+/// Bytes with a meaning for the decoder, and others.
+constexpr std::array<std::uint8_t, 5> kValues{0x00, 0x0C, 0x30, 0x82, 0xFF};
 constexpr std::array<std::uint8_t, 6> kTypes{0x30, 0x31, 0x32, 0x33, 0x11, 0x35};
 
 /// Frames as ArduPilot's test makes them, of all types by turns.
@@ -116,39 +107,13 @@ FrameStream mixed_stream() {
     return stream;
 }
 
-/// Calls `check` for each fault of one byte anywhere in the stream, and ways to cut it into reads.
-template <class Check>
-void for_each_fault(const FrameStream& stream, const Check& check) {
-    for (const FaultKind kind :
-         {FaultKind::lost, FaultKind::added, FaultKind::replaced, FaultKind::damaged}) {
-        for (std::size_t position = 0; position < stream.bytes.size(); ++position) {
-            for (const std::uint8_t value : Bytes{0x00, 0x0C, 0x30, 0x82, 0xFF}) {
-                for (const Split split : {kOneRead, kByteByByte, Split{.longest = 9, .seed = 3}}) {
-                    check(Fault{kind, position, value}, split);
-                }
-            }
-        }
-    }
-}
-
 TEST(GhstStream, AfterAByteLostAddedOrChangedAnywhereEveryLaterFrameIsRead) {
-    const FrameStream stream = usual_stream();
-    for_each_fault(stream, [&](const Fault& fault, Split split) {
-        GhstDecoder decoder;
-        std::vector<std::size_t> starts;
-        for (const DecodedFrame& frame : feed(decoder, stream.bytes, fault, split)) {
-            starts.push_back(frame.first_byte);
-        }
-        for (std::size_t i = fault.position / 14 + 1; i < stream.starts.size(); ++i) {
-            EXPECT_EQ(std::ranges::count(starts, stream.shifted_start(i, fault)), 1)
-                << fault << " frame " << i;
-        }
-    });
+    expect_every_frame_behind_a_fault(make<GhstDecoder>, usual_stream(), kValues);
 }
 
 TEST(GhstStream, WithAFaultAnywhereInPayloadsFullOfBeginningsItFindsWhatThePlainFormFinds) {
     const FrameStream stream = mixed_stream();
-    for_each_fault(stream, [&](const Fault& fault, Split split) {
+    for_each_fault(stream, kValues, [&](const Fault& fault, Split split) {
         if (fault.kind != FaultKind::damaged) {
             expect_as_plain(with_fault(stream.bytes, fault), split);
         }
@@ -157,48 +122,15 @@ TEST(GhstStream, WithAFaultAnywhereInPayloadsFullOfBeginningsItFindsWhatThePlain
 
 TEST(GhstStream, IsTheSameHoweverTheStreamIsCutIntoReads) {
     const FrameStream stream = mixed_stream();
-    GhstDecoder whole;
-    const auto expected = feed(whole, stream.bytes);
-    ASSERT_EQ(expected.size(), stream.starts.size());
-    for (std::size_t cut = 0; cut <= stream.bytes.size(); ++cut) {
-        GhstDecoder decoder;
-        const auto all = std::span<const std::uint8_t>(stream.bytes);
-        auto frames = feed(decoder, all.first(cut));
-        feed_into(frames, decoder, all.subspan(cut));
-        EXPECT_TRUE(same_frames(frames, expected)) << cut;
-    }
-    for (std::size_t longest = 1; longest < 40; ++longest) {
-        GhstDecoder decoder;
-        EXPECT_TRUE(same_frames(feed(decoder, stream.bytes, {.longest = longest}), expected));
-    }
+    expect_the_same_however_cut(make<GhstDecoder>, stream.bytes, stream.starts.size());
 }
 
 TEST(GhstStream, FindsAFrameBehindAnyFalseBeginning) {
-    for (std::size_t cut = 1; cut < 14; ++cut) {
-        Bytes bytes = from_hex(kFirst);
-        bytes.resize(cut);
-        append(bytes, from_hex(kSecond));
-        for (const Split split : {kOneRead, kByteByByte}) {
-            GhstDecoder decoder;
-            const auto frames = all_frames(decoder, bytes, split);
-            ASSERT_EQ(frames.size(), 1U) << cut;
-            EXPECT_EQ(frames[0].first_byte, cut);
-        }
-    }
+    expect_a_frame_behind_every_cut_one(make<GhstDecoder>, from_hex(kFirst), from_hex(kSecond));
 }
 
 TEST(GhstStream, APauseCutsAnUnfinishedFrameOff) {
-    const Bytes bytes = from_hex(kFirst);
-    for (std::size_t cut = 1; cut < 14; ++cut) {
-        GhstDecoder decoder;
-        const auto all = std::span<const std::uint8_t>(bytes);
-        EXPECT_TRUE(feed(decoder, all.first(cut)).empty());
-        DecodedFrame frame;
-        EXPECT_FALSE(decoder.silence(frame));
-        EXPECT_EQ(decoder.waiting(), 0U);
-        EXPECT_TRUE(feed(decoder, all.subspan(cut)).empty()) << cut;
-        EXPECT_EQ(feed(decoder, from_hex(kSecond)).size(), 1U) << cut;
-    }
+    expect_a_pause_ends_a_frame(make<GhstDecoder>, from_hex(kFirst), from_hex(kSecond));
 }
 
 TEST(GhstStream, FindsWhatThePlainFormFindsOnAnyLine) {

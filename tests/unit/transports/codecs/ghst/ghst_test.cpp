@@ -12,8 +12,9 @@
 
 #include <gtest/gtest.h>
 
-#include "app/doctor/listening/line_judge.h"
 #include "tests/reference/plain_ghst.h"
+#include "tests/support/channel_bytes.h"
+#include "tests/support/heard_line.h"
 #include "tests/support/streams.h"
 #include "transports/registry/registry.h"
 
@@ -30,7 +31,6 @@ constexpr std::string_view kStatistics = "820C33000880000880643C0514E3";
 // ArduPilot, test_ghst_resync.cpp, make_frame of 1 and 2.
 constexpr std::string_view kFirst = "820C30255442255442747576776C";
 constexpr std::string_view kSecond = "820C304AA4444AA4447B7C7D7E4F";
-constexpr Instant kStart = Instant(1h);
 constexpr std::array<std::uint8_t, 6> kGroupTypes{0x30, 0x31, 0x32, 0x10, 0x11, 0x12};
 
 std::size_t first_of(std::uint8_t type) {
@@ -47,38 +47,7 @@ Bytes statistics(std::uint8_t link_quality) {
                       plain_ghst_payload({2048, 2048, 2048, 2048}, {link_quality, 60, 5, 20}));
 }
 
-std::vector<std::size_t> present(const ChannelFrame& frame) {
-    std::vector<std::size_t> channels;
-    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
-        if (frame.has(channel)) {
-            channels.push_back(channel + 1);
-        }
-    }
-    return channels;
-}
-
-/// A decoder that gets each frame at its time.
-class Line {
-  public:
-    /// Returns what the frame made, if anything.
-    std::optional<ChannelFrame> hear(const Bytes& bytes, Duration at) {
-        const auto frames = feed(decoder_, bytes, kOneRead, kStart + at);
-        EXPECT_LE(frames.size(), 1U);
-        return frames.empty() ? std::nullopt : std::optional(frames[0].channels);
-    }
-    const GhstDecoder& decoder() const { return decoder_; }
-
-  private:
-    GhstDecoder decoder_;
-};
-
-std::vector<DecodedFrame> all_frames(GhstDecoder& decoder, const Bytes& bytes, Split split) {
-    auto frames = feed(decoder, bytes, split);
-    for (DecodedFrame late; decoder.silence(late);) {
-        frames.push_back(late);
-    }
-    return frames;
-}
+using Line = HeardLine<GhstDecoder>;
 
 TEST(GhstDecoder, ReadsTheFramesOfTheSources) {
     for (const auto& [hex, fine, coarse] :
@@ -178,7 +147,7 @@ TEST(GhstDecoder, TakesNoLengthButTwelve) {
     for (std::size_t payload = 0; payload <= 60; ++payload) {
         for (const std::uint8_t type : Bytes{0x30, 0x33, 0x10, 0x21}) {
             GhstDecoder decoder;
-            const auto frames = all_frames(decoder, plain_ghst(type, Bytes(payload, 0x55)), {});
+            const auto frames = all_frames(decoder, plain_ghst(type, Bytes(payload, 0x55)));
             EXPECT_EQ(frames.size(), payload == 10 && type != 0x21 ? 1U : 0U)
                 << payload << " " << int{type};
         }
@@ -189,7 +158,7 @@ TEST(GhstDecoder, TakesNoAddressButThatOfAFlightController) {
     for (unsigned address = 0; address <= 0xFF; ++address) {
         GhstDecoder decoder;
         const auto bytes = plain_ghst(0x30, Bytes(10, 0x55), static_cast<std::uint8_t>(address));
-        EXPECT_EQ(all_frames(decoder, bytes, {}).size(), address == 0x82 ? 1U : 0U) << address;
+        EXPECT_EQ(all_frames(decoder, bytes).size(), address == 0x82 ? 1U : 0U) << address;
     }
 }
 
@@ -234,7 +203,7 @@ TEST(GhstDecoder, ReadsStatistics) {
     EXPECT_EQ(statistics->snr_db, std::nullopt);
     EXPECT_EQ(statistics->mode, 5);
     EXPECT_EQ(statistics->power_mw, 100);
-    EXPECT_EQ(statistics->received, kStart + 3ms);
+    EXPECT_EQ(statistics->received, Line::kStart + 3ms);
 }
 
 TEST(GhstDecoder, ReadsStatisticsOfEveryByteInBothTypes) {
@@ -293,13 +262,11 @@ TEST(GhstDecoder, DetailsAreThoseOfTheLatestFrame) {
 
 TEST(Ghst, IsInTheRegistryAndHeardByDoctor) {
     EXPECT_EQ(find_protocol("ghst"), &kGhstProtocol);
-    doctor::Heard heard{.line = kGhstProtocol.line, .listened = 1s, .bursts = {}};
-    for (unsigned i = 0; i < 250; ++i) {
-        const Bytes bytes = frame_of(static_cast<std::uint8_t>(0x30 + i % 4), 2048, 90);
-        heard.bursts.push_back(
-            {.start = i * 4ms, .bytes = bytes, .damaged = std::vector<bool>(bytes.size())});
+    std::vector<Bytes> bursts;
+    for (unsigned i = 0; i < 4; ++i) {
+        bursts.push_back(frame_of(static_cast<std::uint8_t>(0x30 + i), 2048, 90));
     }
-    const doctor::LineStory story = doctor::judge_line(std::span(&heard, 1));
+    const doctor::LineStory story = story_of(kGhstProtocol, bursts, 4ms);
     EXPECT_EQ(story.protocol, "ghst");
     EXPECT_EQ(story.channels, 16U);
     EXPECT_EQ(story.period, std::optional<Duration>(4ms));

@@ -49,15 +49,6 @@ inline std::vector<std::optional<double>> microseconds(const ChannelFrame& frame
     return values;
 }
 
-inline std::vector<DecodedFrame> all_of(Ibus2Decoder& decoder, const Bytes& bytes,
-                                        Split split = kOneRead) {
-    auto frames = feed(decoder, bytes, split);
-    for (DecodedFrame late; decoder.silence(late);) {
-        frames.push_back(late);
-    }
-    return frames;
-}
-
 /// The channels of one frame after a key, alone in a read and byte by byte.
 inline ChannelFrame read_with(const Types& types, const Bytes& channels) {
     Ibus2Decoder at_once;

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/stream_rules.h"
 #include "tests/unit/transports/codecs/ibus2/ibus2_frames.h"
 
 namespace tribus::test::ibus2_stream_test {
@@ -20,7 +21,7 @@ TEST(Ibus2Decoder, PassesOverFailsafeValuesCommandsAndReplies) {
         Bytes bytes = plain_ibus2_key(Types(8, kUsualType));
         append(bytes, four_cycles());
         append(bytes, plain_ibus2_to_all(0x08, std::vector<std::uint8_t>(11, 0x55)));
-        const auto frames = all_of(decoder, bytes, split);
+        const auto frames = all_frames(decoder, bytes, split);
         ASSERT_EQ(frames.size(), 4U);
         EXPECT_TRUE(frames[3].channels.has_first(8));
         EXPECT_EQ(decoder.skipped_bytes(), 0U);
@@ -38,7 +39,7 @@ TEST(Ibus2Decoder, TakesNoOtherFirstByteAndLength) {
             }
             bytes = plain_ibus2_checked(bytes);
             Ibus2Decoder decoder;
-            all_of(decoder, bytes);
+            all_frames(decoder, bytes);
             const bool to_all =
                 first % 4 == 0 && first / 4 % 16 <= 2 && length >= 4 && length <= 37;
             const bool to_one =
@@ -56,7 +57,7 @@ TEST(Ibus2Decoder, RefusesEachFlippedBit) {
             for (const Split split : {kOneRead, kByteByByte}) {
                 Ibus2Decoder decoder;
                 feed(decoder, plain_ibus2_key(Types(good.size() == 29 ? 18 : 8, kUsualType)));
-                for (const DecodedFrame& frame : all_of(decoder, bytes, split)) {
+                for (const DecodedFrame& frame : all_frames(decoder, bytes, split)) {
                     EXPECT_FALSE(frame.channels.has_any()) << bit;
                 }
             }
@@ -72,7 +73,7 @@ TEST(Ibus2Decoder, AKeyWithAFlippedBitIsNone) {
         append(bytes, from_hex(kCaptured8));
         append(bytes, from_hex(kCaptured8));
         Ibus2Decoder decoder;
-        const auto frames = all_of(decoder, bytes);
+        const auto frames = all_frames(decoder, bytes);
         ASSERT_GE(frames.size(), 1U) << bit;
         for (const DecodedFrame& frame : frames) {
             EXPECT_FALSE(frame.channels.has_any()) << bit;
@@ -94,10 +95,7 @@ TEST(Ibus2Decoder, LosesOneFrameAtMostByAByteThatIsLostOrAddedAnywhere) {
             for (const Split split : {kOneRead, kByteByByte}) {
                 Ibus2Decoder decoder;
                 feed(decoder, key);
-                auto frames = feed(decoder, good, fault, split);
-                for (DecodedFrame late; decoder.silence(late);) {
-                    frames.push_back(late);
-                }
+                const auto frames = all_frames(decoder, good, split, fault);
                 const auto whole = std::ranges::count_if(
                     frames, [](const DecodedFrame& frame) { return frame.channels.has_first(8); });
                 EXPECT_GE(whole, 3) << fault;
@@ -119,7 +117,7 @@ TEST(Ibus2Decoder, FindsAFrameBehindAnyFalseBeginning) {
         append(bytes, whole);
         for (const Split split : {kOneRead, kByteByByte}) {
             Ibus2Decoder decoder;
-            const auto frames = all_of(decoder, bytes, split);
+            const auto frames = all_frames(decoder, bytes, split);
             ASSERT_EQ(frames.size(), 1U) << cut;
             EXPECT_EQ(frames[0].first_byte, key.size() + cut);
         }
@@ -135,38 +133,22 @@ TEST(Ibus2Decoder, FindsAFrameInsideABadOneAndNoneInsideAGoodOne) {
     Bytes bad = good;
     bad.back() = static_cast<std::uint8_t>(bad.back() ^ 0x10U);
     Ibus2Decoder in_good;
-    EXPECT_TRUE(all_of(in_good, good).empty());
+    EXPECT_TRUE(all_frames(in_good, good).empty());
     Ibus2Decoder in_bad;
-    const auto frames = all_of(in_bad, bad);
+    const auto frames = all_frames(in_bad, bad);
     ASSERT_EQ(frames.size(), 1U);
     EXPECT_EQ(frames[0].first_byte, 1U);
     EXPECT_GE(count_of(in_bad, "checksum"), 1U);
 }
 
 TEST(Ibus2Decoder, APauseEndsAnIncompleteFrame) {
-    const Bytes whole = from_hex(kCaptured8);
-    for (std::size_t cut = 1; cut < whole.size(); ++cut) {
-        Ibus2Decoder decoder;
-        EXPECT_TRUE(feed(decoder, std::span(whole).first(cut)).empty());
-        DecodedFrame late;
-        EXPECT_FALSE(decoder.silence(late));
-        EXPECT_TRUE(all_of(decoder, {whole.begin() + static_cast<std::ptrdiff_t>(cut), whole.end()})
-                        .empty())
-            << cut;
-    }
+    expect_a_pause_ends_a_frame(make<Ibus2Decoder>, from_hex(kCaptured8), from_hex(kCaptured8));
 }
 
 TEST(Ibus2Decoder, FindsTheSameHoweverTheStreamIsCutIntoReads) {
     Bytes bytes = plain_ibus2_key(Types(8, kUsualType));
     append(bytes, four_cycles());
-    for (std::size_t cut = 0; cut <= bytes.size(); ++cut) {
-        Ibus2Decoder decoder;
-        std::vector<DecodedFrame> frames;
-        feed_into(frames, decoder, std::span(bytes).first(cut));
-        feed_into(frames, decoder, std::span(bytes).subspan(cut));
-        ASSERT_EQ(frames.size(), 4U) << cut;
-        ASSERT_TRUE(frames[0].channels.has_first(8));
-    }
+    expect_the_same_however_cut(make<Ibus2Decoder>, bytes, 4);
 }
 
 /// A line of all kinds of frames, with noise.
@@ -217,7 +199,7 @@ TEST(Ibus2Decoder, FindsWhatThePlainFormFindsOnAnyLine) {
             bytes[random.below(400)] = random.byte();
         }
         Ibus2Decoder decoder;
-        const auto frames = all_of(decoder, bytes, {.longest = 40, .seed = seed});
+        const auto frames = all_frames(decoder, bytes, {.longest = 40, .seed = seed});
         const auto plain = PlainIbus2().frames_of(bytes);
         ASSERT_EQ(frames.size(), plain.size()) << seed;
         for (std::size_t i = 0; i < frames.size(); ++i) {

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "app/doctor/listening/line_judge.h"
+#include "tests/support/heard_line.h"
 #include "tests/unit/transports/codecs/ibus2/ibus2_frames.h"
 #include "transports/registry/registry.h"
 
@@ -208,13 +208,9 @@ TEST(Ibus2Decoder, AnUnpluggedLineTakesItsKeyAlong) {
 
 TEST(Ibus2, IsInTheRegistryAndHeardByDoctor) {
     EXPECT_EQ(find_protocol("ibus2"), &kIbus2Protocol);
-    doctor::Heard heard{.line = kIbus2Protocol.line, .listened = 1s, .bursts = {}};
-    for (int i = 0; i < 100; ++i) {
-        const Bytes bytes = i == 0 ? plain_ibus2_key(Types(18, kUsualType)) : from_hex(kCaptured18);
-        heard.bursts.push_back(
-            {.start = i * 6ms, .bytes = bytes, .damaged = std::vector<bool>(bytes.size())});
-    }
-    const doctor::LineStory story = doctor::judge_line(std::span(&heard, 1));
+    std::vector<Bytes> bursts(200, from_hex(kCaptured18));
+    bursts[0] = plain_ibus2_key(Types(18, kUsualType));
+    const doctor::LineStory story = story_of(kIbus2Protocol, bursts, 6ms);
     EXPECT_EQ(story.protocol, "ibus2");
     EXPECT_EQ(story.channels, 18U);
     EXPECT_EQ(story.period, std::optional<Duration>(6ms));

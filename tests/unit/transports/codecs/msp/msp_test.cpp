@@ -9,8 +9,9 @@
 
 #include <gtest/gtest.h>
 
-#include "app/doctor/listening/line_judge.h"
 #include "tests/support/channel_bytes.h"
+#include "tests/support/heard_line.h"
+#include "tests/support/stream_rules.h"
 #include "tests/support/streams.h"
 #include "transports/registry/registry.h"
 
@@ -97,19 +98,19 @@ TEST(Msp, PassesOverOtherCommandsAndHalfWordsWithoutARejectedFrame) {
     EXPECT_EQ(decoder.rejected()[0].count, 0U);
 }
 
-TEST(Msp, RefusesEachFlippedBit) {
-    const Bytes good = from_hex(kEightChannels);
-    for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
-        Bytes bytes = good;
-        bytes[bit / 8] = static_cast<std::uint8_t>(bytes[bit / 8] ^ (1U << bit % 8));
-        MspDecoder decoder;
-        auto frames = feed(decoder, bytes);
-        DecodedFrame late;
-        while (decoder.silence(late)) {
-            frames.push_back(late);
-        }
-        EXPECT_TRUE(frames.empty()) << bit;
-    }
+TEST(Msp, RefusesEachFlippedBitAndReadsTheNextFrame) {
+    expect_each_flipped_bit_is_refused(make<MspDecoder>, from_hex(kEightChannels),
+                                       from_hex(kEightChannels));
+}
+
+TEST(Msp, FindsAFrameBehindEveryCutOne) {
+    expect_a_frame_behind_every_cut_one(make<MspDecoder>, from_hex(kEightChannels),
+                                        from_hex(kEightChannels));
+}
+
+TEST(Msp, APauseEndsAFrame) {
+    expect_a_pause_ends_a_frame(make<MspDecoder>, from_hex(kEightChannels),
+                                from_hex(kEightChannels));
 }
 
 TEST(Msp, FindsAFrameBehindGarbageThatBeginsAsAMessageOfAnyLength) {
@@ -135,13 +136,7 @@ TEST(Msp, WritesWholeMicrosecondsOfEveryChannelAndNeedsThemAll) {
 
 TEST(Msp, IsInTheRegistryAndHeardByDoctor) {
     EXPECT_EQ(find_protocol("msp"), &kMspProtocol);
-    doctor::Heard heard{.line = kMspProtocol.line, .listened = 1s, .bursts = {}};
-    for (int i = 0; i < 50; ++i) {
-        const Bytes bytes = from_hex(kEightChannels);
-        heard.bursts.push_back(
-            {.start = i * 20ms, .bytes = bytes, .damaged = std::vector<bool>(bytes.size())});
-    }
-    const doctor::LineStory story = doctor::judge_line(std::span(&heard, 1));
+    const doctor::LineStory story = story_of(kMspProtocol, {from_hex(kEightChannels)}, 20ms);
     EXPECT_EQ(story.protocol, "msp");
     EXPECT_EQ(story.channels, 8U);
 }

@@ -1,15 +1,13 @@
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
-#include <span>
 #include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "tests/reference/plain_srxl.h"
+#include "tests/support/stream_rules.h"
 #include "tests/support/streams.h"
 #include "transports/codecs/srxl/srxl.h"
 
@@ -25,14 +23,6 @@ constexpr std::string_view kVersion2 =
     "A2000008000FFF0800080008000800080008000800080008000800080008000800DA2E";
 // ArduPilot, RCProtocolTest.cpp, srxl_bytes: a recording of an AR7700.
 constexpr std::string_view kVersion5 = "A5030C042F6C10B42616340104761C40F53B";
-
-std::vector<DecodedFrame> all_frames(SrxlDecoder& decoder, const Bytes& bytes, Split split) {
-    auto frames = feed(decoder, bytes, split);
-    for (DecodedFrame late; decoder.silence(late);) {
-        frames.push_back(late);
-    }
-    return frames;
-}
 
 /// Compares places, channels and flags with those of the plain form on the same stream.
 void expect_as_plain(const Bytes& bytes, Split split) {
@@ -57,18 +47,7 @@ void expect_as_plain(const Bytes& bytes, Split split) {
 
 TEST(SrxlStream, RefusesEachFlippedBitAndReadsTheNextFrame) {
     for (const std::string_view hex : {kVersion1, kVersion2, kVersion5}) {
-        const Bytes good = from_hex(hex);
-        for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
-            Bytes bytes = good;
-            bytes[bit / 8] = static_cast<std::uint8_t>(bytes[bit / 8] ^ (1U << bit % 8));
-            append(bytes, good);
-            for (const Split split : {kOneRead, kByteByByte}) {
-                SrxlDecoder decoder;
-                const auto frames = all_frames(decoder, bytes, split);
-                ASSERT_EQ(frames.size(), 1U) << bit;
-                EXPECT_EQ(frames[0].first_byte, good.size()) << bit;
-            }
-        }
+        expect_each_flipped_bit_is_refused(make<SrxlDecoder>, from_hex(hex), from_hex(hex));
     }
 }
 
@@ -87,86 +66,37 @@ FrameStream mixed_stream() {
     return stream;
 }
 
+/// First bytes of frames, and others.
+constexpr std::array<std::uint8_t, 5> kValues{0x00, 0xA1, 0xA2, 0xA5, 0xFF};
+
 TEST(SrxlStream, AfterAByteLostAddedOrChangedAnywhereEveryLaterFrameIsRead) {
+    expect_every_frame_behind_a_fault(make<SrxlDecoder>, mixed_stream(), kValues);
+}
+
+TEST(SrxlStream, WithAFaultAnywhereItFindsWhatThePlainFormFinds) {
     const FrameStream stream = mixed_stream();
-    for (const FaultKind kind :
-         {FaultKind::lost, FaultKind::added, FaultKind::replaced, FaultKind::damaged}) {
-        for (std::size_t position = 0; position < stream.bytes.size(); ++position) {
-            for (const std::uint8_t value : Bytes{0x00, 0xA1, 0xA2, 0xA5, 0xFF}) {
-                for (const Split split : {kOneRead, kByteByByte, Split{.longest = 9, .seed = 3}}) {
-                    const Fault fault{kind, position, value};
-                    SrxlDecoder decoder;
-                    auto frames = feed(decoder, stream.bytes, fault, split);
-                    for (DecodedFrame late; decoder.silence(late);) {
-                        frames.push_back(late);
-                    }
-                    std::vector<std::size_t> starts;
-                    for (const DecodedFrame& frame : frames) {
-                        starts.push_back(frame.first_byte);
-                    }
-                    for (std::size_t i = 0; i < stream.starts.size(); ++i) {
-                        if (stream.starts[i] > position) {
-                            EXPECT_EQ(std::ranges::count(starts, stream.shifted_start(i, fault)), 1)
-                                << fault << " frame " << i;
-                        }
-                    }
-                    if (kind != FaultKind::damaged) {
-                        expect_as_plain(with_fault(stream.bytes, fault), split);
-                    }
-                }
-            }
+    for_each_fault(stream, kValues, [&](const Fault& fault, Split split) {
+        if (fault.kind != FaultKind::damaged) {
+            expect_as_plain(with_fault(stream.bytes, fault), split);
         }
-    }
+    });
 }
 
 TEST(SrxlStream, IsTheSameHoweverTheStreamIsCutIntoReads) {
     const FrameStream stream = mixed_stream();
-    SrxlDecoder whole;
-    const auto expected = feed(whole, stream.bytes);
-    ASSERT_EQ(expected.size(), stream.starts.size());
-    for (std::size_t cut = 0; cut <= stream.bytes.size(); ++cut) {
-        SrxlDecoder decoder;
-        const auto all = std::span<const std::uint8_t>(stream.bytes);
-        auto frames = feed(decoder, all.first(cut));
-        feed_into(frames, decoder, all.subspan(cut));
-        EXPECT_TRUE(same_frames(frames, expected)) << cut;
-    }
-    for (std::size_t longest = 1; longest < 60; ++longest) {
-        SrxlDecoder decoder;
-        EXPECT_TRUE(same_frames(feed(decoder, stream.bytes, {.longest = longest}), expected));
-    }
+    expect_the_same_however_cut(make<SrxlDecoder>, stream.bytes, stream.starts.size());
 }
 
 TEST(SrxlStream, FindsAFrameBehindAnyFalseBeginning) {
-    for (const std::string_view cut_frame : {kVersion1, kVersion2, kVersion5}) {
+    for (const std::string_view cut : {kVersion1, kVersion2, kVersion5}) {
         for (const std::string_view next : {kVersion1, kVersion2, kVersion5}) {
-            for (std::size_t cut = 1; cut < cut_frame.size() / 2; ++cut) {
-                Bytes bytes = from_hex(cut_frame);
-                bytes.resize(cut);
-                append(bytes, from_hex(next));
-                for (const Split split : {kOneRead, kByteByByte}) {
-                    SrxlDecoder decoder;
-                    const auto frames = all_frames(decoder, bytes, split);
-                    ASSERT_EQ(frames.size(), 1U) << cut;
-                    EXPECT_EQ(frames[0].first_byte, cut);
-                }
-            }
+            expect_a_frame_behind_every_cut_one(make<SrxlDecoder>, from_hex(cut), from_hex(next));
         }
     }
 }
 
 TEST(SrxlStream, APauseCutsAnUnfinishedFrameOff) {
-    const Bytes bytes = from_hex(kVersion2);
-    for (std::size_t cut = 1; cut < bytes.size(); ++cut) {
-        SrxlDecoder decoder;
-        const auto all = std::span<const std::uint8_t>(bytes);
-        EXPECT_TRUE(feed(decoder, all.first(cut)).empty());
-        DecodedFrame frame;
-        EXPECT_FALSE(decoder.silence(frame));
-        EXPECT_EQ(decoder.waiting(), 0U);
-        EXPECT_TRUE(feed(decoder, all.subspan(cut)).empty()) << cut;
-        EXPECT_EQ(feed(decoder, bytes).size(), 1U) << cut;
-    }
+    expect_a_pause_ends_a_frame(make<SrxlDecoder>, from_hex(kVersion2), from_hex(kVersion2));
 }
 
 TEST(SrxlStream, FindsWhatThePlainFormFindsOnAnyLine) {

@@ -13,9 +13,9 @@
 
 #include <gtest/gtest.h>
 
-#include "app/doctor/listening/line_judge.h"
 #include "tests/reference/plain_srxl.h"
 #include "tests/support/channel_bytes.h"
+#include "tests/support/heard_line.h"
 #include "tests/support/streams.h"
 #include "transports/registry/registry.h"
 
@@ -31,41 +31,9 @@ constexpr std::string_view kVersion2 =
     "A2000008000FFF0800080008000800080008000800080008000800080008000800DA2E";
 // ArduPilot, RCProtocolTest.cpp, srxl_bytes: a recording of an AR7700.
 constexpr std::string_view kVersion5 = "A5030C042F6C10B42616340104761C40F53B";
-constexpr Instant kStart = Instant(1h);
 constexpr std::uint8_t kConnected = 0x02;
 
-std::vector<std::size_t> present(const ChannelFrame& frame) {
-    std::vector<std::size_t> channels;
-    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
-        if (frame.has(channel)) {
-            channels.push_back(channel + 1);
-        }
-    }
-    return channels;
-}
-
-/// A decoder that gets each frame at its time.
-class Line {
-  public:
-    /// Returns what the frame made, if anything.
-    std::optional<ChannelFrame> hear(const Bytes& bytes, Duration at) {
-        const auto frames = feed(decoder_, bytes, kOneRead, kStart + at);
-        EXPECT_LE(frames.size(), 1U);
-        return frames.empty() ? std::nullopt : std::optional(frames[0].channels);
-    }
-    SrxlDecoder& decoder() { return decoder_; }
-
-  private:
-    SrxlDecoder decoder_;
-};
-
-std::vector<DecodedFrame> all_frames(SrxlDecoder& decoder, const Bytes& bytes, Split split) {
-    auto frames = feed(decoder, bytes, split);
-    for (DecodedFrame late; decoder.silence(late);) {
-        frames.push_back(late);
-    }
-    return frames;
-}
+using Line = HeardLine<SrxlDecoder>;
 
 TEST(SrxlDecoder, ReadsTheFramesOfTheSources) {
     std::vector<double> expected(12, 1500);
@@ -194,7 +162,7 @@ TEST(SrxlDecoder, TakesNoOtherFirstByte) {
             bytes[0] = static_cast<std::uint8_t>(first);
             bytes = reference::plain_srxl_checked(bytes);
             SrxlDecoder decoder;
-            EXPECT_EQ(all_frames(decoder, bytes, {}).size(),
+            EXPECT_EQ(all_frames(decoder, bytes).size(),
                       reference::plain_srxl_length(bytes[0]) == bytes.size() ? 1U : 0U)
                 << first << " " << body;
         }
@@ -233,7 +201,7 @@ ChannelFrame good_frame() {
 Bytes encoded(const ChannelFrame& frame) {
     SrxlEncoder encoder;
     std::array<std::uint8_t, kLongestSerialFrame> wire{};
-    const std::size_t length = encoder.write(frame, wire, kStart);
+    const std::size_t length = encoder.write(frame, wire, Line::kStart);
     return {wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length)};
 }
 
@@ -294,20 +262,14 @@ TEST(SrxlEncoder, LimitsPulsesBeyondTheEndsAndCentresAbsentChannels) {
 TEST(SrxlEncoder, IsSilentInFailsafe) {
     SrxlEncoder encoder;
     std::array<std::uint8_t, kLongestSerialFrame> wire{};
-    EXPECT_EQ(encoder.write_silence(wire, kStart), 0U);
+    EXPECT_EQ(encoder.write_silence(wire, Line::kStart), 0U);
 }
 
 TEST(Srxl, IsInTheRegistryAndHeardByDoctor) {
     EXPECT_EQ(find_protocol("srxl"), &kSrxlProtocol);
     for (const auto& [hex, channels] :
          {std::pair(kVersion1, 12U), std::pair(kVersion2, 16U), std::pair(kVersion5, 7U)}) {
-        doctor::Heard heard{.line = kSrxlProtocol.line, .listened = 1s, .bursts = {}};
-        for (int i = 0; i < 70; ++i) {
-            const Bytes bytes = from_hex(hex);
-            heard.bursts.push_back(
-                {.start = i * 14ms, .bytes = bytes, .damaged = std::vector<bool>(bytes.size())});
-        }
-        const doctor::LineStory story = doctor::judge_line(std::span(&heard, 1));
+        const doctor::LineStory story = story_of(kSrxlProtocol, {from_hex(hex)}, 14ms);
         EXPECT_EQ(story.protocol, "srxl");
         EXPECT_EQ(story.channels, channels);
         EXPECT_EQ(story.period, std::optional<Duration>(14ms));

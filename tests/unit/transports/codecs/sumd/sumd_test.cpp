@@ -10,8 +10,9 @@
 
 #include <gtest/gtest.h>
 
-#include "app/doctor/listening/line_judge.h"
 #include "tests/support/channel_bytes.h"
+#include "tests/support/heard_line.h"
+#include "tests/support/stream_rules.h"
 #include "tests/support/streams.h"
 #include "transports/registry/registry.h"
 
@@ -114,19 +115,17 @@ TEST(Sumd, RefusesOtherStatusesAndCounts) {
     EXPECT_TRUE(feed(decoder, frame_of(0x01, std::vector<std::uint16_t>(33, 12000))).empty());
 }
 
-TEST(Sumd, RefusesEachFlippedBit) {
-    const Bytes good = from_hex(kRecorded);
-    for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
-        Bytes bytes = good;
-        bytes[bit / 8] = static_cast<std::uint8_t>(bytes[bit / 8] ^ (1U << bit % 8));
-        SumdDecoder decoder;
-        auto frames = feed(decoder, bytes);
-        DecodedFrame late;
-        while (decoder.silence(late)) {
-            frames.push_back(late);
-        }
-        EXPECT_TRUE(frames.empty()) << bit;
-    }
+TEST(Sumd, RefusesEachFlippedBitAndReadsTheNextFrame) {
+    expect_each_flipped_bit_is_refused(make<SumdDecoder>, from_hex(kRecorded), from_hex(kRecorded));
+}
+
+TEST(Sumd, FindsAFrameBehindEveryCutOne) {
+    expect_a_frame_behind_every_cut_one(make<SumdDecoder>, from_hex(kRecorded),
+                                        from_hex(kEightChannels));
+}
+
+TEST(Sumd, APauseEndsAFrame) {
+    expect_a_pause_ends_a_frame(make<SumdDecoder>, from_hex(kRecorded), from_hex(kFailsafe));
 }
 
 TEST(Sumd, WritesWhatItRead) {
@@ -145,13 +144,7 @@ TEST(Sumd, WritesAnAbsentChannelAsZeroAndNoPulseAsZero) {
 
 TEST(Sumd, IsInTheRegistryAndHeardByDoctor) {
     EXPECT_EQ(find_protocol("sumd"), &kSumdProtocol);
-    doctor::Heard heard{.line = kSumdProtocol.line, .listened = 1s, .bursts = {}};
-    for (int i = 0; i < 100; ++i) {
-        const Bytes bytes = from_hex(kRecorded);
-        heard.bursts.push_back(
-            {.start = i * 10ms, .bytes = bytes, .damaged = std::vector<bool>(bytes.size())});
-    }
-    const doctor::LineStory story = doctor::judge_line(std::span(&heard, 1));
+    const doctor::LineStory story = story_of(kSumdProtocol, {from_hex(kRecorded)}, 10ms);
     EXPECT_EQ(story.protocol, "sumd");
     EXPECT_EQ(story.channels, 12U);
     EXPECT_EQ(story.period, std::optional<Duration>(10ms));
