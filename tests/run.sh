@@ -8,7 +8,7 @@
 #
 # Parts, in this order: first page peers fleet laboratory service tidy addresses threads simulation fuzz mutations.
 # All of them take some hours. A part that fails does not stop the others. At the end a table says
-# what ran, when, for how long and with which result; build/proofs keeps it.
+# what ran, when, for how long, with which result and of which commit; build/proofs keeps it.
 cd "$(dirname "$0")/.."
 . deploy/prepare.sh
 
@@ -95,6 +95,8 @@ case ${1:-} in
         [ $# -gt 0 ] || set -- $all_parts
         mkdir -p build
         table=build/proofs
+        # "+" behind it: with changes that are not committed.
+        commit=$(git describe --always --dirty=+ 2>/dev/null || true)
         failed=0
         for name in "$@"; do
             began=$(date +%s)
@@ -103,8 +105,8 @@ case ${1:-} in
                 result=FAILED
                 failed=1
             }
-            line=$(printf '%-12s %s  %5d s  %s' "$name" "$(date -d "@$began" '+%Y-%m-%d %H:%M')" \
-                $(($(date +%s) - began)) $result)
+            line=$(printf '%-12s %s  %5d s  %s  %s' "$name" \
+                "$(date -d "@$began" '+%Y-%m-%d %H:%M')" $(($(date +%s) - began)) $result "$commit")
             { grep -v "^$name " $table 2>/dev/null || true; echo "$line"; } >$table.new
             mv $table.new $table
         done

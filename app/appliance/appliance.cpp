@@ -249,7 +249,7 @@ std::optional<bool> Appliance::line_active(std::size_t line) const {
         return std::nullopt;
     }
     if (is_input_role(role)) {
-        return line_exchange_->levels().of(line);
+        return line_exchange_->levels(monotonic_now()).of(line);
     }
     const LineStates states = line_exchange_->states();
     return (states.blinking & line_bit(line)) != 0
@@ -276,7 +276,26 @@ std::vector<Appliance::DeviceEvent> Appliance::reopen_devices() {
     return events;
 }
 
+bool Appliance::line_present(std::size_t line) const {
+    return !missing_lines_[line] &&
+           !(lines_hang_ && is_input_role(configuration_.lines[line].task.role));
+}
+
+void Appliance::look_whether_lines_hang(std::vector<DeviceEvent>& events) {
+    const bool hang = line_exchange_ != nullptr && line_exchange_->hangs(monotonic_now());
+    if (hang == std::exchange(lines_hang_, hang)) {
+        return;
+    }
+    for (std::size_t line = 0; line < missing_lines_.size(); ++line) {
+        const LineConfig& config = configuration_.lines[line];
+        if (is_input_role(config.task.role) && !missing_lines_[line]) {
+            events.push_back({device_name(config), !hang});
+        }
+    }
+}
+
 void Appliance::reopen_lines(std::vector<DeviceEvent>& events) {
+    look_whether_lines_hang(events);
     // Finding a line queries all lines of all chips; about once a second is enough.
     constexpr int kCallsPerOpening = 5;
     calls_until_opening_ = calls_until_opening_ == 0 ? kCallsPerOpening : calls_until_opening_ - 1;

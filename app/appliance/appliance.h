@@ -123,8 +123,8 @@ class Appliance {
     const std::vector<PortPlan>& ports() const { return plans_; }
     /// True if the device of this port is open.
     bool port_present(std::size_t port) const { return !missing_[port]; }
-    /// True if this GPIO line is open.
-    bool line_present(std::size_t line) const { return !missing_lines_[line]; }
+    /// True if this GPIO line is open, and an input line can be read.
+    bool line_present(std::size_t line) const;
     /// Whether this GPIO line is active. Nothing if it cannot be read, blinks, or carries a wave.
     std::optional<bool> line_active(std::size_t line) const;
     /// Only for a port that is a CAN interface.
@@ -146,6 +146,7 @@ class Appliance {
     tl::expected<void, std::string> make_recorder(Appliance* before);
     void update_recorder();
     void reopen_lines(std::vector<DeviceEvent>& events);
+    void look_whether_lines_hang(std::vector<DeviceEvent>& events);
     LoopSettings loop_settings(LineExchange* lines);
     PortCarry carry_port(const PortPlan& plan, const Appliance& before) const;
     bool same_use(const PortPlan& plan, const Appliance& before, const PortPlan& plan_before) const;
@@ -179,6 +180,7 @@ class Appliance {
     std::unique_ptr<LineExchange> line_exchange_;
     std::unique_ptr<GpioThread> gpio_thread_;
     std::vector<bool> missing_lines_;
+    bool lines_hang_ = false;
     int calls_until_opening_ = 0;
     std::unique_ptr<Loop> loop_;
     std::unique_ptr<DataThread> thread_;

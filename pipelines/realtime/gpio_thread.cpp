@@ -152,7 +152,7 @@ void GpioThread::read_inputs(Instant now, bool all) {
             levels_.set(i, line.contact.level());
         }
     }
-    exchange_.set_levels(levels_);
+    exchange_.set_levels(levels_, now);
 }
 
 bool GpioThread::wanted(std::size_t index, Instant now) {

@@ -1,12 +1,13 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <span>
-
 #include <string>
+
 #include <tl/expected.hpp>
 
 #include "core/time.h"
@@ -25,9 +26,21 @@ class LineExchange {
     /// Main thread, before the other threads start. The error is a sentence.
     tl::expected<void, std::string> prepare();
 
-    /// Sets the levels of the input lines. GPIO thread; before it runs, main thread.
-    void set_levels(LineLevels levels) { set(levels, levels_, data_event_); }
-    LineLevels levels() const { return levels_.load(std::memory_order_acquire); }
+    /// Sets the levels of the input lines as they were at `now`. GPIO thread; before it runs, main
+    /// thread. Called five times a second or more often.
+    void set_levels(LineLevels levels, Instant now) {
+        looked_at_ns_.store(now.time_since_epoch().count(), std::memory_order_release);
+        set(levels, levels_, data_event_);
+    }
+    /// The latest levels. No line is known if the latest are more than a second old: a chip on a
+    /// bus that hangs keeps the GPIO thread in the kernel.
+    LineLevels levels(Instant now) const {
+        return hangs(now) ? LineLevels{} : levels_.load(std::memory_order_acquire);
+    }
+    bool hangs(Instant now) const {
+        const Duration looked_at{looked_at_ns_.load(std::memory_order_acquire)};
+        return now - Instant(looked_at) > kMostAge;
+    }
     /// Readable after the levels have changed, until `clear_data_event`.
     int data_event() const { return data_event_.get(); }
     void clear_data_event() const { clear_event(data_event_); }
@@ -61,7 +74,10 @@ class LineExchange {
     static void set_event(const UniqueFd& event);
     static void clear_event(const UniqueFd& event);
 
+    static constexpr Duration kMostAge = std::chrono::seconds(1);
+
     std::atomic<LineLevels> levels_{kNoLineActive};
+    std::atomic<std::int64_t> looked_at_ns_ = 0;
     std::atomic<LineStates> states_{LineStates{}};
     std::deque<std::atomic<std::int64_t>> fresh_ns_;
     UniqueFd data_event_;

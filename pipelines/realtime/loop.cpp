@@ -185,7 +185,7 @@ void Loop::look_at_lines(Instant now) {
     if (settings_.lines == nullptr) {
         return;
     }
-    const LineLevels levels = settings_.lines->levels();
+    const LineLevels levels = settings_.lines->levels(now);
     if (levels != levels_) {
         levels_ = levels;
         engine_.set_lines(levels, now);

@@ -62,7 +62,7 @@ Loop* Loop::successor(Instant now) {
     stations_.continue_from(before.stations_, carry_.engine, carry_.values, now);
     set_devices_present();
     if (settings_.lines != nullptr) {
-        levels_ = settings_.lines->levels();
+        levels_ = settings_.lines->levels(now);
         engine_.set_lines(levels_, now);
     }
     for (std::size_t i = 0; i < input_timing_.size(); ++i) {

@@ -1,6 +1,5 @@
 #include "transports/links/pulse_line/spi_link.h"
 
-#include <sched.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -8,22 +7,9 @@
 #include <utility>
 
 namespace tribus {
-namespace {
 
-constexpr std::uint64_t kWakeOnce = 1;
-
-}  // namespace
-
-SpiLink::SpiLink(UniqueFd port, UniqueFd wake_up, double calibration)
-    : port_(std::move(port)), wake_up_(std::move(wake_up)), calibration_(calibration) {
-    thread_ = std::thread([this] { work(); });
-}
-
-SpiLink::~SpiLink() {
-    ends_.store(true);
-    [[maybe_unused]] const auto woken = ::write(wake_up_.get(), &kWakeOnce, sizeof kWakeOnce);
-    thread_.join();
-}
+SpiLink::SpiLink(UniqueFd port, double calibration)
+    : port_(std::move(port)), calibration_(calibration) {}
 
 ReadStatus SpiLink::read(Reception& reception) {
     reception.count = 0;
@@ -43,8 +29,7 @@ WriteStatus SpiLink::write(std::span<const std::uint8_t> frame) {
         std::copy(frame.begin(), frame.end(), waiting_.begin());
         waiting_bytes_ = frame.size();
     }
-    [[maybe_unused]] const auto woken = ::write(wake_up_.get(), &kWakeOnce, sizeof kWakeOnce);
-    return status_.load(std::memory_order_relaxed);
+    return worker_.wake();
 }
 
 /// Draws the frame that waits. Returns false if none does.
@@ -59,28 +44,18 @@ bool SpiLink::take_frame() {
     return draw_pulses(std::span(records).first(bytes), calibration_, waveform_);
 }
 
-void SpiLink::send_frame() {
+/// Of the thread.
+WriteStatus SpiLink::send_newest() {
+    if (!take_frame()) {
+        return outcome_;
+    }
     const ssize_t sent = ::write(port_.get(), waveform_.bits.data(), waveform_.bytes);
     const int error = errno;
-    if (sent == static_cast<ssize_t>(waveform_.bytes)) {
-        status_.store(WriteStatus::written);
-    } else {
-        const bool gone = sent < 0 && (error == ENODEV || error == ENXIO || error == ESHUTDOWN);
-        status_.store(gone ? WriteStatus::lost : WriteStatus::unavailable);
-    }
-}
-
-void SpiLink::work() {
-    // Before everything that is not real time; refused without the right to it.
-    const sched_param priority{.sched_priority = 1};
-    ::sched_setscheduler(0, SCHED_FIFO, &priority);
-    std::uint64_t count = 0;
-    while (!ends_.load()) {
-        if (::read(wake_up_.get(), &count, sizeof count) == sizeof count && !ends_.load() &&
-            take_frame()) {
-            send_frame();
-        }
-    }
+    const bool gone = sent < 0 && (error == ENODEV || error == ENXIO || error == ESHUTDOWN);
+    outcome_ = sent == static_cast<ssize_t>(waveform_.bytes) ? WriteStatus::written
+               : gone                                        ? WriteStatus::lost
+                                                             : WriteStatus::unavailable;
+    return outcome_;
 }
 
 }  // namespace tribus

@@ -1,17 +1,16 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <mutex>
 #include <string>
-#include <thread>
 
 #include <tl/expected.hpp>
 
 #include "transports/links/link.h"
+#include "transports/links/link_worker.h"
 #include "transports/links/pulse_line/waveform.h"
 #include "transports/links/unique_fd.h"
 
@@ -20,7 +19,7 @@ namespace tribus {
 /// Makes pulses with the data line (MOSI) of an SPI port: one bit is one microsecond, and the
 /// hardware times them. The kernel keeps a writer waiting for a whole frame, so a thread of the
 /// link hands frames to it; it takes the newest only. `write` neither waits nor uses the heap.
-/// Thread-bound but for that thread.
+/// Thread-bound.
 class SpiLink final : public ByteLink {
   public:
     /// `calibration`: how much faster than it should the port's clock is. The error begins with the
@@ -28,35 +27,32 @@ class SpiLink final : public ByteLink {
     static tl::expected<std::unique_ptr<SpiLink>, std::string> open(const std::string& device,
                                                                     double calibration);
     /// Ends after the frame that is on the line.
-    ~SpiLink() override;
+    ~SpiLink() override = default;
 
     /// Nothing arrives.
     ReadStatus read(Reception& reception) override;
     /// Takes the records of one frame (core/edge_records.h). Records without an edge withdraw a
     /// frame that waits. `busy`: the thread is taking the frame before; `unavailable` while the
-    /// kernel refuses frames; `lost` when the device is gone.
+    /// kernel refuses frames or does not send them; `lost` when the device is gone.
     WriteStatus write(std::span<const std::uint8_t> frame) override;
     void discard_unread() override {}
     int descriptor() const override { return -1; }
 
   private:
-    SpiLink(UniqueFd port, UniqueFd wake_up, double calibration);
-    void work();
+    SpiLink(UniqueFd port, double calibration);
     bool take_frame();
-    void send_frame();
+    WriteStatus send_newest();
 
     static constexpr std::size_t kMostFrameBytes = 96;
 
     UniqueFd port_;
-    UniqueFd wake_up_;
     double calibration_;
     std::mutex mutex_;  ///< the data thread only tries it
     std::array<std::uint8_t, kMostFrameBytes> waiting_{};
     std::size_t waiting_bytes_ = 0;
-    std::atomic<bool> ends_ = false;
-    std::atomic<WriteStatus> status_ = WriteStatus::written;
-    Waveform waveform_;  ///< of the thread
-    std::thread thread_;
+    WriteStatus outcome_ = WriteStatus::written;  ///< of the thread
+    Waveform waveform_;                           ///< of the thread
+    LinkWorker worker_;
 };
 
 }  // namespace tribus

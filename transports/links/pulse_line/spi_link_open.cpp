@@ -1,11 +1,9 @@
 #include <fcntl.h>
 #include <linux/spi/spidev.h>
-#include <sys/eventfd.h>
 #include <sys/ioctl.h>
 
 #include <cerrno>
 #include <cstring>
-#include <system_error>
 #include <utility>
 
 #include "transports/links/pulse_line/spi_link.h"
@@ -56,16 +54,12 @@ tl::expected<std::unique_ptr<SpiLink>, std::string> SpiLink::open(const std::str
     if (!port.valid() || !set_up(port.get())) {
         return failed(errno);
     }
-    UniqueFd wake_up(::eventfd(0, EFD_CLOEXEC));
-    if (!wake_up.valid()) {
-        return failed(errno);
+    std::unique_ptr<SpiLink> link(new SpiLink(std::move(port), calibration));
+    if (auto problem = link->worker_.start([&link = *link] { return link.send_newest(); });
+        !problem.empty()) {
+        return tl::unexpected(device + ": " + problem);
     }
-    try {
-        return std::unique_ptr<SpiLink>(
-            new SpiLink(std::move(port), std::move(wake_up), calibration));
-    } catch (const std::system_error& error) {
-        return tl::unexpected(device + ": cannot start a thread: " + error.what());
-    }
+    return link;
 }
 
 }  // namespace tribus

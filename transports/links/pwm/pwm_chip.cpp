@@ -216,6 +216,11 @@ std::string PwmOutputs::set(std::size_t output, std::uint32_t nanoseconds) {
     return problem;
 }
 
+bool PwmOutputs::gone() const {
+    std::error_code error;
+    return !fs::exists(chip_.folder, error) || device_.gone();
+}
+
 std::optional<PwmOutputFacts> look_at(const PwmChipFacts& chip, std::size_t output) {
     const fs::path folder = folder_of(chip, output);
     std::error_code error;

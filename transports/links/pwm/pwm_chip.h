@@ -55,6 +55,8 @@ class PwmOutputs {
     /// Sends pulses of that length each period; 0: switches the output off. Writes only what
     /// changed. Returns an empty text, or which file the kernel refused and why.
     std::string set(std::size_t output, std::uint32_t nanoseconds);
+    /// Whether the kernel does not show the chip any more, or shows it anew.
+    bool gone() const;
 
   private:
     enum class State : std::uint8_t { unused, taken, on };

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <linux/ioctl.h>
 #include <sys/ioctl.h>
+#include <sys/stat.h>
 
 #include <cerrno>
 #include <chrono>
@@ -40,6 +41,11 @@ Waveform waveform(std::size_t output, Duration period, std::uint32_t pulse_nanos
 
 PwmDevice::PwmDevice(const std::filesystem::path& path)
     : path_(path), device_(path.empty() ? -1 : ::open(path.c_str(), O_RDWR | O_CLOEXEC)) {}
+
+bool PwmDevice::gone() const {
+    struct stat facts {};
+    return is_open() && (::fstat(device_.get(), &facts) != 0 || facts.st_nlink == 0);
+}
 
 std::string PwmDevice::refused(std::size_t output) const {
     return path_.string() + " output " + std::to_string(output) + ": " + std::strerror(errno);

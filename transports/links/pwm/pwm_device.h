@@ -23,6 +23,8 @@ class PwmDevice {
     explicit PwmDevice(const std::filesystem::path& path);
 
     bool is_open() const { return device_.valid(); }
+    /// Whether the kernel has removed the device that is open.
+    bool gone() const;
     /// Takes an output, which nobody else may have, and switches it off. The first one of a chip
     /// whose outputs share a period sets it.
     std::string take(std::size_t output, Duration period) const;

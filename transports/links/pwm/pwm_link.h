@@ -6,51 +6,45 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <thread>
 
 #include <tl/expected.hpp>
 
 #include "core/time.h"
 #include "transports/links/link.h"
+#include "transports/links/link_worker.h"
 #include "transports/links/pwm/pwm_chip.h"
-#include "transports/links/unique_fd.h"
 
 namespace tribus {
 
 /// The outputs of a PWM chip. A chip on I2C takes a millisecond for some pulses, so a thread of the
-/// link hands them to the kernel; it takes the newest only. No heap in `write`. Thread-bound but
-/// for that thread.
+/// link hands them to the kernel; it takes the newest only. No heap in `write`. Thread-bound.
 class PwmLink final : public ByteLink {
   public:
     /// `period`: of the pulses. The error begins with the chip and says what to do.
     static tl::expected<std::unique_ptr<PwmLink>, std::string> open(
         const std::string& chip, Duration period, const std::filesystem::path& root = "/");
     /// Switches all outputs off. May block.
-    ~PwmLink() override;
+    ~PwmLink() override = default;
 
     /// Nothing arrives.
     ReadStatus read(Reception& reception) override;
-    /// Takes records of core/pwm_pulses.h. `unavailable` while the kernel refuses them, `lost` when
-    /// the chip is gone.
+    /// Takes records of core/pwm_pulses.h. `unavailable` while the kernel refuses them or the
+    /// chip's bus hangs, `lost` when the chip is gone.
     WriteStatus write(std::span<const std::uint8_t> frame) override;
     void discard_unread() override {}
     int descriptor() const override { return -1; }
 
   private:
-    PwmLink(PwmChipFacts chip, Duration period, UniqueFd wake_up);
-    void work();
-    bool pass_on();
+    PwmLink(PwmChipFacts chip, Duration period);
+    WriteStatus hand_on();
 
     /// No pulse was ever asked for.
     static constexpr std::uint32_t kNothing = 0xFFFFFFFF;
 
     PwmChipFacts chip_;
-    UniqueFd wake_up_;
     std::array<std::atomic<std::uint32_t>, PwmOutputs::kMost> wanted_;
-    std::atomic<bool> ends_ = false;
-    std::atomic<bool> refused_ = false;
     PwmOutputs outputs_;  ///< of the thread
-    std::thread thread_;
+    LinkWorker worker_;
 };
 
 }  // namespace tribus

@@ -27,23 +27,33 @@ class LineExchangeOfTwoOutputs : public testing::Test {
 };
 
 TEST_F(LineExchangeOfTwoOutputs, BeginsWithAllLinesThereAndNoneActive) {
-    EXPECT_EQ(exchange_.levels(), kNoLineActive);
+    EXPECT_EQ(exchange_.levels(at(0s)), kNoLineActive);
     EXPECT_EQ(exchange_.states(), LineStates{});
     EXPECT_FALSE(is_set(exchange_.data_event()));
     EXPECT_FALSE(is_set(exchange_.lines_event()));
 }
 
 TEST_F(LineExchangeOfTwoOutputs, TellsLevelsToTheDataThreadAndRingsWhenTheyChange) {
-    exchange_.set_levels({1, 3});
-    EXPECT_EQ(exchange_.levels(), (LineLevels{1, 3}));
+    exchange_.set_levels({1, 3}, at(0s));
+    EXPECT_EQ(exchange_.levels(at(0s)), (LineLevels{1, 3}));
     EXPECT_TRUE(is_set(exchange_.data_event()));
     EXPECT_FALSE(is_set(exchange_.lines_event()));
     exchange_.clear_data_event();
     EXPECT_FALSE(is_set(exchange_.data_event()));
-    exchange_.set_levels({1, 3});
+    exchange_.set_levels({1, 3}, at(0s));
     EXPECT_FALSE(is_set(exchange_.data_event())) << "nothing new";
-    exchange_.set_levels({1, 1});
+    exchange_.set_levels({1, 1}, at(0s));
     EXPECT_TRUE(is_set(exchange_.data_event())) << "one is gone";
+}
+
+TEST_F(LineExchangeOfTwoOutputs, KnowsNoLineWhoseLevelsAreOlderThanASecond) {
+    exchange_.set_levels({1, 3}, at(5s));
+    EXPECT_EQ(exchange_.levels(at(6s)), (LineLevels{1, 3}));
+    EXPECT_FALSE(exchange_.hangs(at(6s)));
+    EXPECT_EQ(exchange_.levels(at(6s + 1ns)), LineLevels{});
+    EXPECT_TRUE(exchange_.hangs(at(6s + 1ns)));
+    exchange_.set_levels({1, 3}, at(7s));
+    EXPECT_EQ(exchange_.levels(at(7s)), (LineLevels{1, 3}));
 }
 
 TEST_F(LineExchangeOfTwoOutputs, TellsStatesToTheLinesAndRingsWhenTheyChange) {

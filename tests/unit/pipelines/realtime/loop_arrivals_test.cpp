@@ -58,14 +58,16 @@ class PipeLink : public ByteLink {
     UniqueFd pipe_;
 };
 
-/// An input of i.Bus that reads from a pipe. Its output has no device.
+/// An input of i.Bus that reads from a pipe. Its output has no device. The test plays the thread of
+/// a GPIO line that forces failsafe.
 class LoopArrivals : public testing::Test {
   protected:
     LoopArrivals() {
         const auto configuration = load_configuration(
             "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"/dev/pipe\"\n"
             "[output.servos]\nprotocol = \"sbus\"\ndevice = \"/dev/none\"\n"
-            "[pipeline.main]\nfrom = \"receiver\"\nto = \"servos\"\n",
+            "[pipeline.main]\nfrom = \"receiver\"\nto = \"servos\"\n"
+            "[gpio.stop]\nline = \"GPIO22\"\nrole = \"force_failsafe\"\n",
             "test.toml");
         EXPECT_TRUE(configuration);
         engine_ = build_engine(*configuration);
@@ -77,7 +79,10 @@ class LoopArrivals : public testing::Test {
             plan.wiring.byte_time = {};
             wiring.push_back(std::move(plan.wiring));
         }
-        loop_ = std::make_unique<Loop>(*engine_, std::move(wiring), std::move(links));
+        EXPECT_TRUE(lines_.prepare());
+        lines_.set_levels(kNoLineActive, monotonic_now());
+        loop_ = std::make_unique<Loop>(*engine_, std::move(wiring), std::move(links),
+                                       LoopSettings{.lines = &lines_});
         EXPECT_TRUE(loop_->prepare());
     }
     ~LoopArrivals() override {
@@ -99,7 +104,22 @@ class LoopArrivals : public testing::Test {
         return false;
     }
 
+    /// Sends a frame each 10 ms, and looks at the line if `looks`, until the output is forced into
+    /// failsafe or not.
+    bool becomes_forced(bool forced, bool looks) {
+        return comes_true([&] {
+            pipe_.write(from_hex(kIa6bFrame));
+            if (looks) {
+                lines_.set_levels(kNoLineActive, monotonic_now());
+            }
+            std::this_thread::sleep_for(10ms);
+            return loop_->output_status(0).state.forced == forced &&
+                   loop_->output_status(0).at != Instant{};
+        });
+    }
+
     Pipe pipe_ = Pipe::open();
+    LineExchange lines_{1};
     std::unique_ptr<Engine> engine_;
     std::unique_ptr<Loop> loop_;
     std::thread thread_;
@@ -123,6 +143,13 @@ TEST_F(LoopArrivals, WithTheHangUpBehindThemLoseTheLink) {
     start();
     EXPECT_TRUE(comes_true([this] { return loop_->take_lost(0) != nullptr; }));
     EXPECT_EQ(loop_->input_status(0).counts.frames, 1U);
+}
+
+TEST_F(LoopArrivals, AreNotPassedOnWhileNobodyLooksAtALineThatForcesFailsafe) {
+    start();
+    EXPECT_TRUE(becomes_forced(false, true));
+    EXPECT_TRUE(becomes_forced(true, false)) << "the chip's bus hangs";
+    EXPECT_TRUE(becomes_forced(false, true)) << "and goes on";
 }
 
 }  // namespace

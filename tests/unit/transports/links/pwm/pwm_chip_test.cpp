@@ -1,16 +1,23 @@
 #include "transports/links/pwm/pwm_chip.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+
+#include <array>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include <gtest/gtest.h>
 
 #include "app/pwm/pwm.h"
 #include "tests/support/temporary_folder.h"
 #include "transports/links/pwm/pwm_link.h"
+#include "transports/links/unique_fd.h"
 
 /// PWM chips on a folder with the files of /sys/class/pwm. What the kernel does with them is shown
 /// in the laboratory.
@@ -187,6 +194,59 @@ TEST(PwmLink, HandsTheNewestPulsesOnAndSwitchesOffAtItsEnd) {
     EXPECT_EQ(folder.take("pwmchip0", 1, "enable"), "0");
     EXPECT_EQ(folder.take("pwmchip0", 3, "enable"), "0");
     EXPECT_EQ(folder.take("pwmchip0", 0, "enable"), "");
+}
+
+/// Output 0: 1,500,000 ns.
+constexpr std::array<std::uint8_t, 5> kCentre{0, 0x60, 0xE3, 0x16, 0x00};
+
+/// Waits, at most ten seconds, until the link says that of a frame.
+bool says(PwmLink& link, WriteStatus status) {
+    for (int i = 0; i < 1000; ++i) {
+        if (link.write(kCentre) == status) {
+            return true;
+        }
+        std::this_thread::sleep_for(10ms);
+    }
+    return false;
+}
+
+TEST(PwmLink, SentNothingWhileTheBusOfTheChipHangs) {
+    PwmFolder folder;
+    folder.add("pwmchip0", "x", 2);
+    // A FIFO keeps its writer until somebody reads, as a bus that hangs keeps one.
+    const fs::path duty = folder.chips() / "pwmchip0/pwm0/duty_cycle";
+    fs::remove(duty);
+    ASSERT_EQ(::mkfifo(duty.c_str(), 0600), 0);
+    auto link = PwmLink::open("pwmchip0", 20ms, folder.root());
+    ASSERT_TRUE(link) << link.error();
+    EXPECT_TRUE(says(**link, WriteStatus::unavailable));
+    const UniqueFd reader(::open(duty.c_str(), O_RDONLY | O_NONBLOCK));
+    EXPECT_TRUE(says(**link, WriteStatus::written));
+}
+
+TEST(PwmLink, IsLostWhenTheKernelShowsTheChipNoMore) {
+    PwmFolder folder;
+    folder.add("pwmchip0", "x", 2);
+    auto link = PwmLink::open("pwmchip0", 20ms, folder.root());
+    ASSERT_TRUE(link) << link.error();
+    fs::remove(folder.chips() / "pwmchip0/pwm0/duty_cycle");
+    EXPECT_TRUE(says(**link, WriteStatus::unavailable)) << "one file is refused";
+    fs::remove_all(folder.chips() / "pwmchip0");
+    EXPECT_TRUE(says(**link, WriteStatus::lost));
+}
+
+TEST(PwmLink, IsLostWhenItsDeviceWasRemovedThoughAnotherOneIsThereNow) {
+    PwmFolder folder;
+    folder.add("pwmchip0", "x", 2);
+    fs::create_directory(folder.root() / "dev");
+    const fs::path device = folder.root() / "dev/pwmchip0";
+    PwmFolder::write(device, "");
+    auto link = PwmLink::open("pwmchip0", 20ms, folder.root());
+    ASSERT_TRUE(link) << link.error();
+    EXPECT_TRUE(says(**link, WriteStatus::unavailable)) << "it takes no pulses";
+    fs::remove(device);
+    PwmFolder::write(device, "");
+    EXPECT_TRUE(says(**link, WriteStatus::lost));
 }
 
 TEST(PwmReport, ListsChipsAndTheOutputsInUse) {
