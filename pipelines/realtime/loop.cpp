@@ -24,6 +24,9 @@ constexpr Duration kLongestWait = std::chrono::milliseconds(250);
 /// than a busy machine usually delays a thread.
 constexpr Duration kMostLateness = std::chrono::milliseconds(5);
 
+/// How long the end waits for one wake-up that is late.
+constexpr Duration kMostWaitAtEnd = std::chrono::milliseconds(200);
+
 std::string error_text(const char* what) {
     return std::string(what) + " failed: " + std::strerror(errno);
 }
@@ -212,6 +215,10 @@ void Loop::look_at_lines(Instant now) {
     while (!end_at || now < *end_at) {
         const std::size_t ready = wait(std::min({next, end_at.value_or(kNever), retire_until_}));
         now = clock_;
+        if (end_at) {
+            // The last frames are sent though the thread could not run meanwhile.
+            end_at = later(*end_at, std::clamp(late_by_, Duration::zero(), kMostWaitAtEnd));
+        }
         // Requests of other threads come with an event. One that comes just when a loop takes over
         // from another may lack it, so they are looked for with each publication too.
         const bool asked = std::exchange(event_came_, false) || retiring_ || now >= next_publish_;

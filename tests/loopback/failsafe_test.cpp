@@ -4,6 +4,7 @@
 #include <chrono>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -177,35 +178,53 @@ recover = "100ms"
     expect_clean_end(program);
 }
 
-class EndingSignal : public Failsafe, public testing::WithParamInterface<int> {};
+class EndingSignal : public Failsafe, public testing::WithParamInterface<int> {
+  protected:
+    /// The program ends, and its last frames say failsafe.
+    void expect_last_frames(Program& program) {
+        std::vector<SbusSight> seen;
+        const auto collect = [&] {
+            for (const SbusSight& sight : servos_.listen()) {
+                seen.push_back(sight);
+            }
+        };
+        EXPECT_TRUE(eventually([&] {
+            repeater_.send_if_due();
+            collect();
+            return !program.runs();
+        }));
+        collect();
+        EXPECT_EQ(program.end(), 0);
+        EXPECT_TRUE(program.says("stopped"));
+        const auto first = std::find_if(seen.begin(), seen.end(),
+                                        [](const SbusSight& sight) { return sight.failsafe; });
+        // One frame may be lost on a wire.
+        EXPECT_GE(seen.end() - first, 2);
+        EXPECT_TRUE(std::all_of(first, seen.end(), [](const SbusSight& sight) {
+            return sight.failsafe && sight.frame_lost && same_channels(sight, presets());
+        }));
+        EXPECT_EQ(servos_.strays(), 0U);
+        expect_no_allocation(program);
+    }
+};
 
 TEST_P(EndingSignal, LetsTheLastFramesSayFailsafe) {
     Program& program = run(write_config(loss_config()));
     gain_control();
     program.signal(GetParam());
-    std::vector<SbusSight> seen;
-    const auto collect = [&] {
-        for (const SbusSight& sight : servos_.listen()) {
-            seen.push_back(sight);
-        }
-    };
-    EXPECT_TRUE(eventually([&] {
-        repeater_.send_if_due();
-        collect();
-        return !program.runs();
-    }));
-    collect();
-    EXPECT_EQ(program.end(), 0);
-    EXPECT_TRUE(program.says("stopped"));
-    const auto first = std::find_if(seen.begin(), seen.end(),
-                                    [](const SbusSight& sight) { return sight.failsafe; });
-    // One frame may be lost on a wire.
-    EXPECT_GE(seen.end() - first, 2);
-    EXPECT_TRUE(std::all_of(first, seen.end(), [](const SbusSight& sight) {
-        return sight.failsafe && sight.frame_lost && same_channels(sight, presets());
-    }));
-    EXPECT_EQ(servos_.strays(), 0U);
-    expect_no_allocation(program);
+    expect_last_frames(program);
+}
+
+TEST_P(EndingSignal, LetsTheLastFramesSayFailsafeThoughItIsStoppedMeanwhile) {
+    Program& program = run(write_config(loss_config()));
+    gain_control();
+    program.signal(GetParam());
+    std::this_thread::sleep_for(milliseconds(5));
+    program.signal(SIGSTOP);
+    // Longer than the last frames take.
+    std::this_thread::sleep_for(milliseconds(100));
+    program.signal(SIGCONT);
+    expect_last_frames(program);
 }
 
 INSTANTIATE_TEST_SUITE_P(Signals, EndingSignal, testing::Values(SIGTERM, SIGINT),
