@@ -282,7 +282,9 @@ bool Appliance::line_present(std::size_t line) const {
 }
 
 void Appliance::look_whether_lines_hang(std::vector<DeviceEvent>& events) {
-    const bool hang = line_exchange_ != nullptr && line_exchange_->hangs(monotonic_now());
+    const bool silent = line_exchange_ != nullptr && line_exchange_->hangs(monotonic_now());
+    // After a stop of the whole program the other thread has its turn first.
+    const bool hang = std::exchange(lines_silent_, silent) && silent;
     if (hang == std::exchange(lines_hang_, hang)) {
         return;
     }

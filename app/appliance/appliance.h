@@ -180,6 +180,8 @@ class Appliance {
     std::unique_ptr<LineExchange> line_exchange_;
     std::unique_ptr<GpioThread> gpio_thread_;
     std::vector<bool> missing_lines_;
+    /// At the latest look, and at the two latest looks, nobody had read the lines for long.
+    bool lines_silent_ = false;
     bool lines_hang_ = false;
     int calls_until_opening_ = 0;
     std::unique_ptr<Loop> loop_;

@@ -124,6 +124,22 @@ TEST_F(GpioProgram, TakesAStopLineThatIsGoneForOneThatIsActive) {
     expect_clean_end(program);
 }
 
+TEST_F(GpioProgram, TakesAStopLineThatNobodyReadsForOneThatIsActive) {
+    Program program = start_to_hang(
+        config(line("stop", 0, "force_failsafe") + "[pipeline.main.failsafe]\nrecover = \"0s\"\n"));
+    EXPECT_TRUE(program.says("started")) << program.errors();
+    EXPECT_TRUE(gains_control()) << program.errors();
+    program.signal(SIGURG);
+    EXPECT_TRUE(is_in_failsafe());
+    EXPECT_TRUE(program.says("output servos: in failsafe, forced"));
+    EXPECT_TRUE(program.says("line stop (L0): is gone; waiting for it"));
+    program.signal(SIGURG);
+    EXPECT_TRUE(program.says("line stop (L0): is back"));
+    EXPECT_TRUE(gains_control()) << program.errors();
+    program.signal(SIGTERM);
+    EXPECT_EQ(program.end(), 0);
+}
+
 TEST_F(GpioProgram, PicksAnInputWhileALineIsActive) {
     FarEnd& spare = device("spare");
     Repeater backup(spare, ibus_bytes(sticks_with_first(1750)));
