@@ -278,20 +278,20 @@ std::vector<Appliance::DeviceEvent> Appliance::reopen_devices() {
 
 bool Appliance::line_present(std::size_t line) const {
     return !missing_lines_[line] &&
-           !(lines_hang_ && is_input_role(configuration_.lines[line].task.role));
+           !(lines_hang() && is_input_role(configuration_.lines[line].task.role));
 }
 
 void Appliance::look_whether_lines_hang(std::vector<DeviceEvent>& events) {
     const bool silent = line_exchange_ != nullptr && line_exchange_->hangs(monotonic_now());
-    // After a stop of the whole program the other thread has its turn first.
-    const bool hang = std::exchange(lines_silent_, silent) && silent;
-    if (hang == std::exchange(lines_hang_, hang)) {
+    const bool before = lines_hang();
+    silent_looks_ = silent ? std::min(silent_looks_ + 1, kSilentLooks) : 0;
+    if (lines_hang() == before) {
         return;
     }
     for (std::size_t line = 0; line < missing_lines_.size(); ++line) {
         const LineConfig& config = configuration_.lines[line];
         if (is_input_role(config.task.role) && !missing_lines_[line]) {
-            events.push_back({device_name(config), !hang});
+            events.push_back({device_name(config), before});
         }
     }
 }

@@ -147,6 +147,9 @@ class Appliance {
     void update_recorder();
     void reopen_lines(std::vector<DeviceEvent>& events);
     void look_whether_lines_hang(std::vector<DeviceEvent>& events);
+    /// After a stop of the whole program one look may come before the lines were read again.
+    static constexpr int kSilentLooks = 2;
+    bool lines_hang() const { return silent_looks_ == kSilentLooks; }
     LoopSettings loop_settings(LineExchange* lines);
     PortCarry carry_port(const PortPlan& plan, const Appliance& before) const;
     bool same_use(const PortPlan& plan, const Appliance& before, const PortPlan& plan_before) const;
@@ -180,9 +183,8 @@ class Appliance {
     std::unique_ptr<LineExchange> line_exchange_;
     std::unique_ptr<GpioThread> gpio_thread_;
     std::vector<bool> missing_lines_;
-    /// At the latest look, and at the two latest looks, nobody had read the lines for long.
-    bool lines_silent_ = false;
-    bool lines_hang_ = false;
+    /// How many looks in a row found that nobody had read the lines for long.
+    int silent_looks_ = 0;
     int calls_until_opening_ = 0;
     std::unique_ptr<Loop> loop_;
     std::unique_ptr<DataThread> thread_;

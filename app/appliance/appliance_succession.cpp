@@ -115,7 +115,7 @@ tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::su
     next->line_exchange_ = std::move(running->line_exchange_);
     next->gpio_thread_ = std::move(running->gpio_thread_);
     next->missing_lines_ = running->missing_lines_;
-    next->lines_hang_ = running->lines_hang_;
+    next->silent_looks_ = running->silent_looks_;
     next->missing_realtime_ = running->missing_realtime_;
     if (next->configuration_.recorder && !next->recorder_) {
         next->recorder_ = std::move(running->recorder_);

@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <regex>
 #include <string>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -133,6 +135,11 @@ TEST_F(GpioProgram, TakesAStopLineThatNobodyReadsForOneThatIsActive) {
     EXPECT_TRUE(is_in_failsafe());
     EXPECT_TRUE(program.says("output servos: in failsafe, forced"));
     EXPECT_TRUE(program.says("line stop (L0): is gone; waiting for it"));
+    program.signal(SIGHUP);
+    EXPECT_TRUE(program.says("reloaded"));
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    EXPECT_EQ(count_of("line stop (L0)", program.errors()), 1U) << "a reload changes nothing";
+    EXPECT_TRUE(is_in_failsafe());
     program.signal(SIGURG);
     EXPECT_TRUE(program.says("line stop (L0): is back"));
     EXPECT_TRUE(gains_control()) << program.errors();

@@ -11,7 +11,8 @@
 
 namespace tribus::test {
 
-/// What doctor makes of a second on the protocol's line: `bursts` by turns, one each `period`.
+/// Returns how doctor judges a second on the protocol's line, on which `bursts` come by turns, one
+/// each `period`.
 inline doctor::LineStory story_of(const Protocol& protocol, const std::vector<Bytes>& bursts,
                                   Duration period) {
     constexpr Duration kListened = std::chrono::seconds(1);

@@ -44,7 +44,7 @@ bool SpiLink::take_frame() {
     return draw_pulses(std::span(records).first(bytes), calibration_, waveform_);
 }
 
-/// Of the thread.
+/// The worker sends the frame that waits, if one does.
 WriteStatus SpiLink::send_newest() {
     if (!take_frame()) {
         return outcome_;

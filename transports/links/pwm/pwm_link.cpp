@@ -57,7 +57,7 @@ WriteStatus PwmLink::write(std::span<const std::uint8_t> frame) {
     return worker_.wake();
 }
 
-/// Hands the newest pulses to the kernel. Of the thread.
+/// The worker hands the newest pulses to the kernel.
 WriteStatus PwmLink::hand_on() {
     WriteStatus outcome = WriteStatus::written;
     for (std::size_t output = 0; output < wanted_.size(); ++output) {
