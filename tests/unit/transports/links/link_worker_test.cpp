@@ -30,16 +30,19 @@ struct SlowKernel {
         ++begun;
         let_go.acquire();
     }
+    void start(LinkWorker& worker) {
+        ASSERT_EQ(worker.start([this] {
+            take();
+            return WriteStatus::written;
+        }),
+                  "");
+    }
 };
 
 TEST(LinkWorker, WorksOnceForAllThatCameMeanwhile) {
     SlowKernel kernel;
     LinkWorker worker;
-    ASSERT_EQ(worker.start([&] {
-        kernel.take();
-        return WriteStatus::written;
-    }),
-              "");
+    kernel.start(worker);
     EXPECT_EQ(worker.wake(), WriteStatus::written);
     ASSERT_TRUE(comes([&] { return kernel.begun == 1; }));
     for (int i = 0; i < 5; ++i) {
@@ -54,11 +57,7 @@ TEST(LinkWorker, WorksOnceForAllThatCameMeanwhile) {
 TEST(LinkWorker, IsUnavailableWhileTheKernelKeepsItAndOnlyThen) {
     SlowKernel kernel;
     LinkWorker worker;
-    ASSERT_EQ(worker.start([&] {
-        kernel.take();
-        return WriteStatus::written;
-    }),
-              "");
+    kernel.start(worker);
     worker.wake();
     EXPECT_TRUE(comes([&] { return worker.wake() == WriteStatus::unavailable; }));
     EXPECT_EQ(worker.wake(), WriteStatus::unavailable) << "it is not forgotten";
