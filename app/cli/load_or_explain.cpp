@@ -10,6 +10,10 @@
 
 namespace tribus {
 
+CommandOption configuration_option(std::string& path) {
+    return {.name = "CONFIG", .value = &path, .help = "Configuration file", .required = true};
+}
+
 void explain_mistakes(const std::vector<Mistake>& mistakes) {
     for (const Mistake& mistake : mistakes) {
         fmt::print(stderr, "{}{}\n", stderr_is_journal() ? "<3>" : "",

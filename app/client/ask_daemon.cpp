@@ -49,6 +49,18 @@ tl::expected<std::string, std::string> read_line(int descriptor, Instant end) {
 
 }  // namespace
 
+CommandOption daemon_name_option(std::string& name) {
+    return {.name = "NAME",
+            .value = &name,
+            .help = "Name of the daemon's configuration file; needed if several run"};
+}
+
+CommandOption daemon_socket_option(std::optional<std::string>& socket) {
+    return {.name = "--socket",
+            .value = &socket,
+            .help = "The daemon's control socket, if it is not in the default place"};
+}
+
 tl::expected<std::string, std::string> find_daemon(const std::string& name,
                                                    const std::optional<std::string>& socket) {
     if (socket) {

@@ -7,10 +7,15 @@
 #include <nlohmann/json_fwd.hpp>
 #include <tl/expected.hpp>
 
+#include "app/cli/command.h"
 #include "core/time.h"
 
 /// Requests of commands to a running daemon on this machine. Errors are written for the user.
 namespace tribus {
+
+/// Options of a command that asks a daemon, for find_daemon().
+CommandOption daemon_name_option(std::string& name);
+CommandOption daemon_socket_option(std::optional<std::string>& socket);
 
 /// Path of the control socket: `socket` if given; else that of the daemon `name`, which may also be
 /// its configuration file; if `name` is empty, that of the only daemon that runs.

@@ -121,10 +121,7 @@ Command run_command() {
             "SIGTERM and Ctrl-C: outputs send their last frames as their failsafe demands, then "
             "the program exits. SIGHUP: reads the configuration again and takes it between two "
             "frames. If it has mistakes or its devices cannot be opened, the old one goes on.",
-        .options = {{.name = "CONFIG",
-                     .value = &options->path,
-                     .help = "Configuration file",
-                     .required = true},
+        .options = {configuration_option(options->path),
                     {.name = "--socket",
                      .value = &options->socket,
                      .help =

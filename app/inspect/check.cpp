@@ -41,10 +41,7 @@ Command check_command() {
     return {
         .name = "check",
         .help = "Validate a configuration; print it with every default, or all its mistakes",
-        .options = {{.name = "CONFIG",
-                     .value = &options->path,
-                     .help = "Configuration file",
-                     .required = true},
+        .options = {configuration_option(options->path),
                     {.name = "--format",
                      .value = &options->format,
                      .help = "Form of the effective configuration",

@@ -316,7 +316,7 @@ Command diff_command() {
               .excludes = {"NEW"}},
              {.name = "--socket",
               .value = &options->socket,
-              .help = "Its control socket, if it is not in the default place",
+              .help = "The daemon's control socket, if it is not in the default place",
               .excludes = {"NEW"}}},
         .run =
             [options] {

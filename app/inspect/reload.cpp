@@ -189,12 +189,8 @@ Command reload_command() {
         .footer =
             "The daemon takes the file between two frames, or refuses it, says why, and goes on "
             "with the old one. In a terminal a trial asks: Enter keeps it, Ctrl-C goes back.",
-        .options = {{.name = "NAME",
-                     .value = &options->name,
-                     .help = "Name of the daemon's configuration file; needed if several run"},
-                    {.name = "--socket",
-                     .value = &options->socket,
-                     .help = "Its control socket, if it is not in the default place"},
+        .options = {daemon_name_option(options->name),
+                    daemon_socket_option(options->socket),
                     {.name = "--trial",
                      .value = &options->trial,
                      .help = "Go back after this time, such as \"30s\", to the configuration "

@@ -205,12 +205,8 @@ Command monitor_command() {
             "In a terminal: up and down (or Tab) select, PgUp and PgDn (or u and d) scroll, p "
             "pauses, q quits. Without one it prints a line a second. It waits for a daemon that "
             "restarts.",
-        .options = {{.name = "NAME",
-                     .value = &options->name,
-                     .help = "Name of the daemon's configuration file; needed if several run"},
-                    {.name = "--socket",
-                     .value = &options->socket,
-                     .help = "Its control socket, if it is not in the default place"},
+        .options = {daemon_name_option(options->name),
+                    daemon_socket_option(options->socket),
                     {.name = "--format",
                      .value = &options->format,
                      .help = "text, or json: one object a line",

@@ -111,9 +111,7 @@ Command record_command() {
                      .value = &options->target,
                      .help = "Name of the daemon's configuration file, if several run; with --out "
                              "a serial device or CAN interface"},
-                    {.name = "--socket",
-                     .value = &options->socket,
-                     .help = "The daemon's control socket, if it is not in the default place"},
+                    daemon_socket_option(options->socket),
                     {.name = "--out",
                      .value = &options->out,
                      .help = "File for what arrives at the port"},

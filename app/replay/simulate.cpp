@@ -354,10 +354,7 @@ Command simulate_command() {
             "An input without --in stays silent. Only these files are opened. Each recording "
             "starts with the simulation. If several CAN inputs received at the same time, give one "
             "log with all their frames to each of them with --in.",
-        .options = {{.name = "CONFIG",
-                     .value = &options->config,
-                     .help = "Configuration file",
-                     .required = true},
+        .options = {configuration_option(options->config),
                     {.name = "--in",
                      .value = &options->in,
                      .help = "NAME=FILE: recorded bytes of an input or sensor bus, or the candump "

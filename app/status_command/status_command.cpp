@@ -193,12 +193,8 @@ Command status_command() {
         .footer =
             "Ends with 0 if the daemon answered, whatever it says, and with 1 if not. --watch "
             "says when the daemon goes away, and waits for it.",
-        .options = {{.name = "NAME",
-                     .value = &options->name,
-                     .help = "Name of the daemon's configuration file; needed if several run"},
-                    {.name = "--socket",
-                     .value = &options->socket,
-                     .help = "Its control socket, if it is not in the default place"},
+        .options = {daemon_name_option(options->name),
+                    daemon_socket_option(options->socket),
                     {.name = "--format",
                      .value = &options->format,
                      .help = "text, or json: one object a line",
