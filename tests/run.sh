@@ -26,9 +26,9 @@ prepare_and_build() {
     build ON "$@"
 }
 
-# Many tests wait more than they compute, so four times as many run as there are processors.
+# Many tests wait more than they compute, so six times as many run as there are processors.
 run_tests() {
-    ctest --test-dir build --output-on-failure --parallel $(($(nproc) * 4)) "$@"
+    ctest --test-dir build --output-on-failure --parallel $(($(nproc) * 6)) "$@"
 }
 
 first_tier() {
