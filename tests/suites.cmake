@@ -5,11 +5,13 @@
 # Suites that compute for 3 seconds and more, the longest first. They start first: at the end
 # processors would wait for them.
 set(costly AttackedLink Usual/LineJudgeAtAPort Frames/CodecCounts References NeverStale InitText
-    Formats/CanChainTest SbusBound SensorBus SensorTypes Attacker)
+    Formats/CanChainTest SbusBound SensorBus SensorTypes Attacker Ibus2Decoder Engine/ProductCounts
+    Tshark Sigrok Tidy SensorFrameParser Formats/TwoSenders DbcLayoutProperty FrameAge Seeds/Canmatrix
+    IbusResyncProperty SbusResyncProperty LineJudge)
 # Suites that wait for real time. All others compute: they leave the processors to whoever waits, and
 # some more of them than there are processors run at a time, so that tests that wait run beside them.
 set(waiting "StateLog.*")
-math(EXPR at_a_time "${processors} + 1")
+math(EXPR at_a_time "${processors} + 2")
 set(computed 0)
 set(leaving_processors chrt --idle 0)
 execute_process(COMMAND ${leaving_processors} true

@@ -252,12 +252,11 @@ TEST_F(Init, RefusesWhatCanNeverBeAPort) {
 }
 
 TEST_F(Init, NeedsAFolderThatItCanWriteTo) {
-    std::filesystem::permissions(folder(), std::filesystem::perms(0755));
     std::filesystem::create_directory(folder() / "closed");
     std::filesystem::permissions(folder() / "closed", std::filesystem::perms(0555));
     const std::string path = folder() / "closed/rc.toml";
-    Program& program = init({path, "--in", "can0=can", "--out", "can1=can", "--listen", "0"},
-                            {.ordinary_user = true});
+    Program& program =
+        init({path, "--in", "can0=can", "--out", "can1=can", "--listen", "0"}, of_ordinary_user());
     EXPECT_EQ(program.end(), 1);
     EXPECT_EQ(program.errors(), "tribus: " + path + " cannot be written: " +
                                     (folder() / "closed").string() + ": Permission denied\n");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdlib>
 #include <deque>
 #include <filesystem>
@@ -56,6 +57,18 @@ class Loopback : public testing::Test {
     Program& start(const std::vector<std::string>& arguments,
                    const ProgramSettings& settings = {}) {
         return programs_.emplace_back(folder_, arguments, settings);
+    }
+
+    /// For a program of another account. That may have no access to the build folder, so it gets a
+    /// copy of the program; it may write to folder().
+    ProgramSettings of_ordinary_user(std::size_t most_locked_bytes = 8 << 20) {
+        namespace fs = std::filesystem;
+        fs::permissions(folder_, fs::perms::all);
+        const fs::path copy = folder_ / "tribus";
+        fs::copy_file(TRIBUS_PROGRAM, copy, fs::copy_options::skip_existing);
+        return {.executable = copy.string(),
+                .ordinary_user = true,
+                .most_locked_bytes = most_locked_bytes};
     }
 
     /// Every test of `run` ends with this: the program exits when told to, and its data thread has

@@ -18,13 +18,6 @@ namespace {
 /// memory is 8 MiB, and so is the default stack of a thread.
 class OrdinaryUser : public Loopback {
   protected:
-    OrdinaryUser() {
-        namespace fs = std::filesystem;
-        fs::permissions(folder(),
-                        fs::perms::owner_all | fs::perms::group_all | fs::perms::others_all);
-        // Other users may have no access to the build folder.
-        fs::copy_file(TRIBUS_PROGRAM, program_);
-    }
     FarEnd& own_device(const std::string& name) {
         FarEnd& far_end = device(name);
         if (::geteuid() == 0) {
@@ -34,13 +27,8 @@ class OrdinaryUser : public Loopback {
     }
     Program& start_as_user(const std::vector<std::string>& arguments,
                            std::size_t most_locked_bytes = 8 << 20) {
-        return start(arguments, {.executable = program_.string(),
-                                 .ordinary_user = true,
-                                 .most_locked_bytes = most_locked_bytes});
+        return start(arguments, of_ordinary_user(most_locked_bytes));
     }
-
-  private:
-    std::filesystem::path program_ = folder() / "tribus";
 };
 
 TEST_F(OrdinaryUser, RunsTheDemo) {

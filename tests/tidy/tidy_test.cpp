@@ -87,17 +87,17 @@ TEST(Tidy, parser_and_port_do_not_know_each_other) {
                 });
 }
 
-/// Returns the rooms that a CMakeLists.txt lists behind the folder of a layer.
+/// Returns the rooms that a CMakeLists.txt lists behind the folder of a layer, in all its lists.
 std::vector<std::string> rooms_of(const std::string& layer) {
     const fs::path top = *fs::path(layer).begin();
     std::ifstream file(fs::path(TRIBUS_SOURCE_DIR) / top / "CMakeLists.txt");
     const std::string text{std::istreambuf_iterator<char>(file), {}};
-    std::smatch listed;
-    const std::regex rooms("FOLDER " + layer + "\\s[^)]*?ROOMS ([a-z_/\\s]+)");
-    if (!std::regex_search(text, listed, rooms)) {
-        return {};
+    const std::regex list("FOLDER " + layer + "\\s[^)]*?ROOMS ([a-z_/\\s]+)");
+    std::string listed;
+    for (std::sregex_iterator match(text.begin(), text.end(), list), none; match != none; ++match) {
+        listed += (*match)[1].str() + " ";
     }
-    std::istringstream words(listed[1].str());
+    std::istringstream words(listed);
     return {std::istream_iterator<std::string>(words), {}};
 }
 
