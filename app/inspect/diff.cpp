@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -294,6 +295,8 @@ std::string configuration_difference(const Configuration& running, const Configu
 
 Command diff_command() {
     auto options = std::make_shared<DiffOptions>();
+    CommandOption socket = daemon_socket_option(options->socket);
+    socket.excludes = {"NEW"};
     return {
         .name = "diff",
         .help = "Print what changes if a configuration replaces another one",
@@ -314,10 +317,7 @@ Command diff_command() {
               .help = "Name of the daemon's configuration file; needed if several run and none has "
                       "the name of CONFIG",
               .excludes = {"NEW"}},
-             {.name = "--socket",
-              .value = &options->socket,
-              .help = "The daemon's control socket, if it is not in the default place",
-              .excludes = {"NEW"}}},
+             std::move(socket)},
         .run =
             [options] {
                 return options->fresh.empty() ? compare_with_daemon(*options)

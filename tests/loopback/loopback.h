@@ -61,7 +61,8 @@ class Loopback : public testing::Test {
 
     /// For a program of another account. That may have no access to the build folder, so it gets a
     /// copy of the program; it may write to folder().
-    ProgramSettings of_ordinary_user(std::size_t most_locked_bytes = 8 << 20) {
+    ProgramSettings of_ordinary_user(
+        std::size_t most_locked_bytes = ProgramSettings{}.most_locked_bytes) {
         namespace fs = std::filesystem;
         fs::permissions(folder_, fs::perms::all);
         const fs::path copy = folder_ / "tribus";

@@ -26,7 +26,7 @@ class OrdinaryUser : public Loopback {
         return far_end;
     }
     Program& start_as_user(const std::vector<std::string>& arguments,
-                           std::size_t most_locked_bytes = 8 << 20) {
+                           std::size_t most_locked_bytes = ProgramSettings{}.most_locked_bytes) {
         return start(arguments, of_ordinary_user(most_locked_bytes));
     }
 };
