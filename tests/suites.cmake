@@ -55,8 +55,8 @@ function(add_computing_suite name suite program seconds)
     set_tests_properties("${name}" PROPERTIES COST ${cost} RESOURCE_LOCK "computing ${lock}")
 endfunction()
 
-# add_suites(PROGRAM_NAME PROGRAM_FILE SECONDS LONG): suites whose names match LONG get the label
-# "long" and run in the second tier only.
+# add_suites(PROGRAM_NAME PROGRAM_FILE SECONDS LONG): suites whose names, with a dot behind, match LONG
+# get the label "long" and run in the second tier only.
 function(add_suites name program seconds long)
     if(NOT EXISTS "${program}")
         add_test(${name} "${program}")
@@ -80,7 +80,7 @@ function(add_suites name program seconds long)
                 add_computing_suite("${name}.${suite}" "${suite}" "${program}" ${seconds})
             endif()
             list(APPEND computing "${name}.${suite}")
-            if(suite MATCHES "${long}")
+            if("${suite}." MATCHES "${long}")
                 set_tests_properties("${name}.${suite}" PROPERTIES LABELS long)
             endif()
         elseif(suite MATCHES "^(${quiet_suites})$" AND line MATCHES "^ +(.+)$")
