@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <nlohmann/json.hpp>
-
 #include "app/cli/object_text.h"
 #include "app/client/control_socket.h"
 #include "app/journal/log.h"
@@ -112,14 +110,8 @@ std::string DaemonSockets::record(std::span<const std::string> words) const {
 }
 
 std::string DaemonSockets::recordings() const {
-    if (!keeper_) {
-        return error_object("nothing runs any more");
-    }
-    const FlightRecorder* recorder = appliance_->recorder();
-    return json_text({{"type", "recordings"},
-                      {"directory", recorder == nullptr
-                                        ? nlohmann::ordered_json(nullptr)
-                                        : nlohmann::ordered_json(recorder->directory().string())}});
+    return keeper_ ? recordings_json(appliance_->recorder())
+                   : error_object("nothing runs any more");
 }
 
 std::string DaemonSockets::histograms() const {

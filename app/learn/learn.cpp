@@ -24,6 +24,7 @@
 #include "app/learn/frame_collector.h"
 #include "app/learn/learn_live.h"
 #include "app/learn/learn_pad.h"
+#include "app/learn/learn_step.h"
 #include "app/learn/loss_study.h"
 #include "app/replay/simulate_inputs.h"
 #include "config/language/mistakes.h"

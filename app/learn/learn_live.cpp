@@ -10,10 +10,9 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
-#include "app/cli/object_text.h"
 #include "app/learn/frame_collector.h"
+#include "app/learn/learn_step.h"
 #include "config/build/build.h"
 #include "pipelines/realtime/clock.h"
 #include "transports/links/can/can_link.h"
@@ -134,12 +133,6 @@ class LearnPrompts {
 };
 
 }  // namespace
-
-void tell_learn_step(std::string_view step, std::string_view text,
-                     const std::vector<std::string>& lines) {
-    fmt::print("{}\n", json_text({{"step", step}, {"text", text}, {"lines", lines}}));
-    std::fflush(stdout);
-}
 
 tl::expected<LearnedFrames, std::string> watch_with_a_person(const Configuration& configuration,
                                                              std::size_t input, LearnGuide guide) {

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <tl/expected.hpp>
@@ -25,10 +24,6 @@ enum class LearnGuide : std::uint8_t {
     json,      ///< `{"step","text"}` in a line of standard output before each answer
     alone,     ///< lines on standard error; nobody answers. Only of a gamepad
 };
-/// `step`: `waiting` (the sticks are to be moved), `off`, `on`, `control` (a control of a gamepad
-/// is to be shown), `done` or `broken`.
-void tell_learn_step(std::string_view step, std::string_view text,
-                     const std::vector<std::string>& lines = {});
 
 /// Opens the device of one input and guides a person through switching the transmitter off and on.
 /// A line on standard input says that it is done. The error is a sentence.

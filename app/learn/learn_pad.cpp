@@ -18,6 +18,7 @@
 #include "app/cli/complain.h"
 #include "app/cli/exit_status.h"
 #include "app/cli/main_wait.h"
+#include "app/learn/learn_step.h"
 #include "app/learn/pad_lesson.h"
 #include "config/show/paragraph.h"
 #include "core/quotes.h"

@@ -348,4 +348,11 @@ std::string FlightRecorder::answer(std::span<const std::string> words, Instant n
     return json_text(json);
 }
 
+std::string recordings_json(const FlightRecorder* recorder) {
+    return json_text({{"type", "recordings"},
+                      {"directory", recorder == nullptr
+                                        ? nlohmann::ordered_json(nullptr)
+                                        : nlohmann::ordered_json(recorder->directory().string())}});
+}
+
 }  // namespace tribus

@@ -112,4 +112,8 @@ class FlightRecorder {
     std::map<std::uint64_t, Outcome> outcomes_;
 };
 
+/// Answers the request `recordings`, which asks for the folder of the recordings. Null for
+/// `recorder`: the configuration has none.
+std::string recordings_json(const FlightRecorder* recorder);
+
 }  // namespace tribus

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cctype>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <regex>
 #include <sstream>
+#include <utility>
 
 namespace tribus::test {
 
@@ -62,8 +62,9 @@ std::string anchor_of(std::string_view heading) {
 }  // namespace
 
 std::string text_of_file(const fs::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
+    std::ostringstream text;
+    text << std::ifstream(path, std::ios::binary).rdbuf();
+    return std::move(text).str();
 }
 
 fs::path readme() {
@@ -108,19 +109,21 @@ std::vector<Fence> fences_of(const fs::path& page) {
 }
 
 std::vector<std::string> headings_in(const std::string& page) {
-    static const std::regex heading_form(R"((?:^|\n)#{1,6} +([^\n]*[^\n# ]))");
-    const std::string text = without_fences(page);
+    static const std::regex heading_form("#{1,6} +(.*[^# ])[# ]*");
+    std::istringstream lines(without_fences(page));
     std::vector<std::string> headings;
-    for (std::sregex_iterator match(text.begin(), text.end(), heading_form), none; match != none;
-         ++match) {
-        headings.push_back(plain((*match)[1]));
+    std::smatch heading;
+    for (std::string line; std::getline(lines, line);) {
+        if (line.starts_with('#') && std::regex_match(line, heading, heading_form)) {
+            headings.push_back(plain(heading[1]));
+        }
     }
     return headings;
 }
 
 /// A heading that comes again gets a number.
 std::set<std::string> anchors_in(const std::string& page) {
-    static const std::regex own_anchor(R"re(<a id="([^"]+)"></a>)re");
+    constexpr std::string_view kOwnAnchor = "<a id=\"";
     std::map<std::string, int> times;
     std::set<std::string> anchors;
     for (const std::string& heading : headings_in(page)) {
@@ -129,9 +132,10 @@ std::set<std::string> anchors_in(const std::string& page) {
         anchors.insert(before == 0 ? anchor : anchor + "-" + std::to_string(before));
     }
     const std::string text = without_fences(page);
-    for (std::sregex_iterator match(text.begin(), text.end(), own_anchor), none; match != none;
-         ++match) {
-        anchors.insert((*match)[1]);
+    for (std::size_t at = text.find(kOwnAnchor); at != std::string::npos;
+         at = text.find(kOwnAnchor, at)) {
+        at += kOwnAnchor.size();
+        anchors.insert(text.substr(at, text.find('"', at) - at));
     }
     return anchors;
 }

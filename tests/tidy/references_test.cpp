@@ -78,6 +78,9 @@ struct Comment {
 
 /// Where the comment of a line begins. A mark inside of quotes begins none.
 std::size_t mark_in(std::string_view line, std::string_view mark) {
+    if (line.find(mark) == std::string_view::npos) {
+        return std::string_view::npos;
+    }
     char quote = 0;
     for (std::size_t i = 0; i < line.size(); ++i) {
         if (quote != 0) {
@@ -145,6 +148,9 @@ std::vector<Citation> citations_in(const std::string& comment) {
         R"(([A-Za-z0-9_./-]+\.md)\b((?:(?:,|,? and|,? or| to) "[^"]+")*)(,? (?:section )?[0-9])?)");
     static const std::regex section_form("\"([^\"]+)\"");
     std::vector<Citation> citations;
+    if (comment.find(".md") == std::string::npos) {
+        return citations;
+    }
     for (std::sregex_iterator match(comment.begin(), comment.end(), page_form), none; match != none;
          ++match) {
         const std::string sections = (*match)[2];
