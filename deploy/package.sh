@@ -22,6 +22,8 @@ test_suites="unit_tests property_tests sim_tests loopback_tests"
 # How long a guest may take for the demo, or for one of them: 12 minutes on an idle host, more than
 # 30 beside other work. Only a guest that hangs takes longer than this.
 guest_seconds=7200
+# How long the emulated Raspberry Pi may take, in five starts of which each takes half a minute.
+raspberry_pi_seconds=900
 
 wrong_use() {
     echo "deploy/package.sh: $*; --help says more" >&2
@@ -97,7 +99,7 @@ run_there() {
 
 # try_raspberry_pi: the program at the ports of an emulated Raspberry Pi 3.
 try_raspberry_pi() {
-    tests/lab/run_raspi3b "$base/board" $guest_seconds "$folder/app/tribus" \
+    tests/lab/run_raspi3b "$base/board" $raspberry_pi_seconds "$folder/app/tribus" \
         "$folder/tests/libheap_trap_preload.so" "$folder/tests/allocating_data_thread" -- \
         "$folder/tests/lab/lab_raspi3b_tests" --gtest_brief=1 >&2
 }
