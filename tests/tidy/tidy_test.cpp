@@ -216,7 +216,7 @@ TEST(Tidy, a_file_of_tests_has_a_namespace_of_its_own_name) {
         std::ifstream file(entry.path());
         const std::string text{std::istreambuf_iterator<char>(file), {}};
         const std::size_t end = text.find("::" + name + " {\n");
-        const std::size_t begin = std::min(text.rfind('\n', end), text.size()) + 1;
+        const std::size_t begin = text.rfind('\n', end) + 1;
         EXPECT_TRUE(end != std::string::npos && text.substr(begin).starts_with("namespace tribus"))
             << entry.path() << ": namespace tribus::" << name;
     }
