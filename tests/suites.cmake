@@ -2,12 +2,11 @@
 # PROGRAM.SUITE. A process for each single test would cost more than most tests do.
 # Needs the number of processors in `processors`.
 
-# Suites that compute for 3 seconds and more, the longest first. They start first: at the end
+# Suites that compute for a second and more, the longest first. They start first: at the end
 # processors would wait for them.
-set(costly AttackedLink Usual/LineJudgeAtAPort Frames/CodecCounts References NeverStale InitText
-    Formats/CanChainTest SbusBound SensorBus SensorTypes Attacker Ibus2Decoder Engine/ProductCounts
-    Tshark Sigrok Tidy SensorFrameParser Formats/TwoSenders DbcLayoutProperty FrameAge Seeds/Canmatrix
-    IbusResyncProperty SbusResyncProperty LineJudge)
+set(costly Frames/CodecCounts Usual/LineJudgeAtAPort NeverStale Engine/ProductCounts Formats/CanChainTest
+    SbusBesidePlain Tshark Sigrok InitText ParityMarksTest LoopArrivals EngineHandset LineJudge Tidy
+    IbusBesidePlain OpenEpoch Seeds/Canmatrix)
 # Suites that wait for real time. All others compute: they leave the processors to whoever waits, and
 # some more of them than there are processors run at a time, so that tests that wait run beside them.
 set(waiting "StateLog.*")
@@ -19,10 +18,11 @@ execute_process(COMMAND ${leaving_processors} true
 if(refused)
     set(leaving_processors "")
 endif()
-# Suites that count what a running program does: other work adds wake-ups. Two of them run at a time,
-# those at even places and those at odd ones.
-set(counting WebCounts Frames/DaemonCounts DaemonSystemCalls)
-list(JOIN counting "|" quiet_suites)
+# Suites that count what a running program does: other work adds wake-ups. The longest runs beside the
+# tests of the others, two of them at a time.
+set(longest_counting WebCounts)
+set(counting "${longest_counting}|Frames/DaemonCounts|DaemonSystemCalls")
+set(counted 0)
 
 # Those that compute, and those that the machine must not disturb. The second ones begin when the
 # first ones are over, some at a time.
@@ -70,7 +70,7 @@ function(add_suites name program seconds long)
     foreach(line IN LISTS lines)
         if(line MATCHES "^([^ ]+)\\.$")
             set(suite "${CMAKE_MATCH_1}")
-            if(suite MATCHES "^(${quiet_suites})$")
+            if(suite MATCHES "^(${counting})$")
                 continue()
             endif()
             if(suite MATCHES "^(${waiting})$")
@@ -83,25 +83,29 @@ function(add_suites name program seconds long)
             if("${suite}." MATCHES "${long}")
                 set_tests_properties("${name}.${suite}" PROPERTIES LABELS long)
             endif()
-        elseif(suite MATCHES "^(${quiet_suites})$" AND line MATCHES "^ +(.+)$")
+        elseif(suite MATCHES "^(${counting})$" AND line MATCHES "^ +(.+)$")
             set(test "${suite}.${CMAKE_MATCH_1}")
             add_suite_or_test("${name}.${test}" "${test}" ${seconds} "${program}")
-            list(FIND counting "${suite}" place)
-            math(EXPR lock "${place} % 2")
+            set(lock 2)
+            if(NOT suite STREQUAL longest_counting)
+                math(EXPR lock "${counted} % 2")
+                math(EXPR counted "${counted} + 1")
+            endif()
             set_tests_properties("${name}.${test}" PROPERTIES COST 50 RESOURCE_LOCK "counting ${lock}")
             list(APPEND quiet "${name}.${test}")
         endif()
     endforeach()
     set(computed ${computed} PARENT_SCOPE)
+    set(counted ${counted} PARENT_SCOPE)
     set(computing "${computing}" PARENT_SCOPE)
     set(quiet "${quiet}" PARENT_SCOPE)
 endfunction()
 
-# keep_quiet(TEST...): these too, which judge times. Two of them run at a time.
+# keep_quiet(TEST...): these too, which judge times. Four of them run at a time.
 function(keep_quiet)
     set(lock 0)
     foreach(test IN LISTS ARGN)
-        math(EXPR lock "1 - ${lock}")
+        math(EXPR lock "(${lock} + 1) % 4")
         set_tests_properties("${test}" PROPERTIES RESOURCE_LOCK "judging ${lock}")
     endforeach()
     set_tests_properties(${ARGN} ${quiet} PROPERTIES

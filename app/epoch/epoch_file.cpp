@@ -1,9 +1,7 @@
 #include "app/epoch/epoch_file.h"
 
 #include <fcntl.h>
-#include <linux/magic.h>
 #include <sys/file.h>
-#include <sys/vfs.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -20,6 +18,7 @@
 
 #include <fmt/format.h>
 
+#include "app/cli/is_in_memory.h"
 #include "app/cli/replace_file.h"
 #include "app/journal/log.h"
 #include "config/language/read_file.h"
@@ -67,12 +66,6 @@ tl::expected<std::uint64_t, std::string> first_of_new_sender() {
         return tl::unexpected(std::string("the kernel gives no random numbers (getentropy)"));
     }
     return number % kMostFirst;
-}
-
-bool is_in_memory(const std::string& path) {
-    struct statfs system {};
-    return ::statfs(path.c_str(), &system) == 0 &&
-           (system.f_type == TMPFS_MAGIC || system.f_type == RAMFS_MAGIC);
 }
 
 }  // namespace

@@ -1,11 +1,9 @@
 #include "app/recorder/ring_memory.h"
 
 #include <fcntl.h>
-#include <linux/magic.h>
 #include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
-#include <sys/vfs.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -15,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/file_error.h"
+#include "app/cli/is_in_memory.h"
 #include "app/journal/log.h"
 
 namespace tribus {
@@ -117,12 +116,11 @@ tl::expected<RingDirectory, std::string> RingDirectory::open(const fs::path& run
         return Failed("no RUNTIME_DIRECTORY is set");
     }
     UniqueFd lock(::open(runtime_directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-    struct statfs filesystem {};
-    if (!lock.valid() || ::fstatfs(lock.get(), &filesystem) != 0) {
+    if (!lock.valid()) {
         return file_error(runtime_directory, errno);
     }
     // On a disk, the driver could delay the data thread.
-    if (filesystem.f_type != TMPFS_MAGIC && filesystem.f_type != RAMFS_MAGIC) {
+    if (!is_in_memory(runtime_directory)) {
         return Failed(fmt::format("{} is not in memory (tmpfs)", runtime_directory.string()));
     }
     if (::flock(lock.get(), LOCK_EX | LOCK_NB) != 0) {

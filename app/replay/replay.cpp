@@ -148,7 +148,7 @@ class Player {
                 }
                 continue;
             }
-            const timespec rest{.tv_sec = 0, .tv_nsec = (due - now).count()};
+            const timespec rest{.tv_sec = 0, .tv_nsec = static_cast<long>((due - now).count())};
             ::nanosleep(&rest, nullptr);
         }
         return !wait_.until(Instant{});

@@ -32,12 +32,12 @@ std::optional<CaptureRing> CaptureRing::adopt(std::span<std::byte> memory) {
         return std::nullopt;
     }
     // The other process created objects of implicit-lifetime types there.
-    auto* header = reinterpret_cast<Header*>(memory.data());
+    auto* header = static_cast<Header*>(static_cast<void*>(memory.data()));
     const std::size_t places = (memory.size() - sizeof(Header)) / sizeof(CapturePiece);
     if (header->magic != kMagic || header->places != places) {
         return std::nullopt;
     }
-    auto* words = reinterpret_cast<Word*>(memory.data() + sizeof(Header));
+    auto* words = static_cast<Word*>(static_cast<void*>(memory.data() + sizeof(Header)));
     return CaptureRing(header, words, places, header->end);
 }
 

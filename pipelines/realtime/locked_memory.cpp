@@ -13,6 +13,7 @@
 #include <cinttypes>
 #include <cstdint>
 #include <cstdio>
+#include <limits>
 #include <memory>
 #include <string_view>
 
@@ -170,7 +171,12 @@ bool limit_binds() {
     if (::getrlimit(RLIMIT_MEMLOCK, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) {
         return false;
     }
-    const std::size_t beyond = limit.rlim_cur + static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+    const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+    // A limit of 64 bits may be more than a process of 32 bits can map.
+    if (limit.rlim_cur > std::numeric_limits<std::size_t>::max() - page) {
+        return false;
+    }
+    const std::size_t beyond = static_cast<std::size_t>(limit.rlim_cur) + page;
     void* const probe =
         ::mmap(nullptr, beyond, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (probe == MAP_FAILED) {

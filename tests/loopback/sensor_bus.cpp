@@ -39,7 +39,7 @@ void wait_readable(std::initializer_list<int> descriptors, std::chrono::nanoseco
     }
     const auto rest = std::max(most, std::chrono::nanoseconds(0));
     const timespec wait{.tv_sec = rest.count() / 1'000'000'000,
-                        .tv_nsec = rest.count() % 1'000'000'000};
+                        .tv_nsec = static_cast<long>(rest.count() % 1'000'000'000)};
     ::ppoll(ready.data(), ready.size(), &wait, nullptr);
     if (std::ranges::any_of(ready, [](const pollfd& one) { return one.revents == POLLHUP; })) {
         // Nobody has the device open, so the wait returns at once.

@@ -12,6 +12,8 @@
 #include <list>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -30,6 +32,12 @@ constexpr const char* kAll = "/plot?from=0&to=3700000000&width=50";
 
 class WebRecordings : public Web {
   protected:
+    /// It waits longer than the server waits for a plot.
+    Browser paired(std::vector<std::string> more = {}) {
+        Browser browser = Web::paired(std::move(more));
+        browser.be_patient(std::chrono::seconds(60));
+        return browser;
+    }
     fs::path recordings() const { return folder() / "recordings"; }
     Program& run_recorder(const std::string& more = "on_failsafe = false\n") {
         Program& daemon = run(write_config(
@@ -200,8 +208,7 @@ TEST_F(WebRecordings, ADaemonThatRunsKnowsItsDirectoryBetterThanItsFile) {
 TEST_F(WebRecordings, NoNameAndNoLinkLeadsOutOfTheirDirectory) {
     Program& daemon = run_recorder();
     serve();
-    Browser browser = paired();
-    browser.be_patient(std::chrono::seconds(60));
+    const Browser browser = paired();
     const std::string id = recorded(browser, daemon);
     const std::string linked = "2026-01-01T00-00-00Z-request";
     const std::string outside = "2026-01-02T00-00-00Z-request";
@@ -289,8 +296,7 @@ TEST_F(WebRecordings, ASecondPlotAtOnceIsToComeAgain) {
 TEST_F(WebRecordings, APlotThatTakesTooLongIsGivenUp) {
     Program& daemon = run_recorder();
     Program& server = serve();
-    Browser browser = paired();
-    browser.be_patient(std::chrono::seconds(60));
+    const Browser browser = paired();
     const std::string id = recorded(browser, daemon);
     auto first = plot_meanwhile(browser, long_copy(id));
     ASSERT_TRUE(eventually([&] { return reader(server).has_value(); }));

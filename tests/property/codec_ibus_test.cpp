@@ -267,7 +267,7 @@ TEST(IbusStreamProperty, FindsExactlyTheFramesThatAScanOfTheWholeStreamFinds) {
         IbusDecoder decoder;
         std::vector<std::size_t> found;
         for (const DecodedFrame& frame : feed(decoder, bytes, {.longest = 90, .seed = seed})) {
-            found.push_back(frame.first_byte);
+            found.push_back(static_cast<std::size_t>(frame.first_byte));
         }
         ASSERT_EQ(found, places_of_frames(bytes)) << "seed " << seed;
     }

@@ -118,7 +118,7 @@ enum class LineFault : std::uint8_t { byte_lost, byte_added, tail_cut, head_cut,
 
 /// Puts a frame with the fault on the wire. Returns when it ends.
 Duration put_hit(World& world, Bytes frame, LineFault fault, Duration start) {
-    const auto place = frame.begin() + world.random.below(kSbusFrameLength);
+    const auto place = frame.begin() + static_cast<int>(world.random.below(kSbusFrameLength));
     const auto cut = 1 + world.random.below(kSbusFrameLength - 1);
     switch (fault) {
         case LineFault::byte_lost: {
@@ -132,7 +132,7 @@ Duration put_hit(World& world, Bytes frame, LineFault fault, Duration start) {
             frame.resize(frame.size() - cut);
             return put(world.line, frame, start);
         case LineFault::head_cut:
-            frame.erase(frame.begin(), frame.begin() + cut);
+            frame.erase(frame.begin(), frame.begin() + static_cast<int>(cut));
             return put(world.line, frame, start + cut * kSbusByteTime);
         case LineFault::noise:
             break;

@@ -54,7 +54,8 @@ TEST(SbusStreamProperty, EveryFrameHasHeaderFlagsAndFooterAndNoTwoOverlap) {
         SbusDecoder decoder;
         std::uint64_t free_from = 0;
         for (const DecodedFrame& frame : feed(decoder, bytes)) {
-            const auto wire = std::span(bytes).subspan(frame.first_byte, kSbusFrameLength);
+            const auto first = static_cast<std::size_t>(frame.first_byte);
+            const auto wire = std::span(bytes).subspan(first, kSbusFrameLength);
             ASSERT_GE(frame.first_byte, free_from);
             ASSERT_EQ(wire[0], 0x0F);
             ASSERT_LT(wire[23], 0x10);

@@ -67,7 +67,8 @@ class Beside {
             }
         }
         if (latest) {
-            const Instant arrival = read_at_[latest->first_byte + latest->length - 1];
+            const auto last = static_cast<std::size_t>(latest->first_byte + latest->length - 1);
+            const Instant arrival = read_at_[last];
             ASSERT_EQ(input_.latest().received, arrival) << "at byte " << latest->first_byte;
             held_ += arrival < now ? 1U : 0U;
         }
@@ -96,7 +97,7 @@ std::size_t frames_held(Beside beside, Bytes (*frame)(Random&), std::uint32_t se
     for (int frames = 0; frames < 60; ++frames) {
         append(line, frame(random));
         while (line.size() >= kMostRead) {
-            Bytes read(line.begin(), line.begin() + 1 + random.below(longest));
+            Bytes read(line.begin(), line.begin() + 1 + static_cast<int>(random.below(longest)));
             line.erase(line.begin(), line.begin() + static_cast<std::ptrdiff_t>(read.size()));
             std::bitset<kMostRead> damaged;
             for (std::size_t at = 0; at < read.size(); ++at) {

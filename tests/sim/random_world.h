@@ -46,7 +46,7 @@ class RandomWorld {
     bool blends() const { return blends_; }
 
   private:
-    std::size_t below(std::size_t count) { return random_() % count; }
+    std::size_t below(std::size_t count) { return static_cast<std::size_t>(random_() % count); }
     std::size_t one_to(std::size_t most) { return 1 + below(most); }
     bool chance(unsigned percent) { return below(100) < percent; }
     Duration between(Duration low, Duration high);

@@ -14,7 +14,7 @@ constexpr Split kSplits[] = {kOneRead, kByteByByte, {.longest = 9, .seed = 3}};
 std::vector<std::size_t> places_of(std::span<const DecodedFrame> frames) {
     std::vector<std::size_t> places;
     for (const DecodedFrame& frame : frames) {
-        places.push_back(frame.first_byte);
+        places.push_back(static_cast<std::size_t>(frame.first_byte));
     }
     return places;
 }

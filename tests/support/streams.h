@@ -262,8 +262,8 @@ inline void expect_no_frame_over_damage(ByteDecoder& decoder, const Bytes& bytes
         }
     }
     for (const DecodedFrame& frame : frames) {
-        for (std::size_t at = frame.first_byte; at < frame.first_byte + frame.length; ++at) {
-            ASSERT_FALSE(damaged[at]) << "byte " << at;
+        for (std::uint64_t at = frame.first_byte; at < frame.first_byte + frame.length; ++at) {
+            ASSERT_FALSE(damaged[static_cast<std::size_t>(at)]) << "byte " << at;
         }
     }
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -41,7 +42,7 @@ inline constexpr std::size_t kMostKept = 20;
 /// A configuration of before.
 struct KeptFile {
     std::string id;  ///< its time, such as 2026-11-26T04-10-00Z
-    std::size_t bytes = 0;
+    std::uintmax_t bytes = 0;
 };
 /// The newest first.
 std::vector<KeptFile> kept_files(const std::filesystem::path& history);

@@ -154,7 +154,8 @@ std::optional<std::string> RecordingTar::begin_file() {
 
 /// Fills the last block behind the last byte.
 std::optional<std::string> RecordingTar::read_more() {
-    std::string piece(std::min<std::uint64_t>(kPieceBytes, left_), '\0');
+    const std::uint64_t bytes = std::min<std::uint64_t>(kPieceBytes, left_);
+    std::string piece(static_cast<std::size_t>(bytes), '\0');
     const ssize_t count = ::read(file_.get(), piece.data(), piece.size());
     if (count <= 0) {
         return std::nullopt;

@@ -136,7 +136,8 @@ class CanLogWriter final : public FrameWriter {
         ChannelFrame snapshot = written.channels;
         snapshot.received = now;
         std::string text;
-        for (const CanFrame& frame : encoder_.encode(snapshot, now).can_frames()) {
+        const auto frames = encoder_.encode(snapshot, now).can_frames();
+        for (const CanFrame& frame : frames) {
             append_candump_line(text, *start, interface_, frame);
         }
         results_ << text;

@@ -318,7 +318,8 @@ TEST_P(DbcExampleCarries, ItsChannelsInBothDirections) {
     std::optional<ChannelFrame> received;
     for (int cycle = 0; cycle < 3; ++cycle) {
         const Instant now = Instant{} + std::chrono::seconds(1000) + milliseconds(20 * cycle);
-        for (const CanFrame& frame : encoder.encode(sent, now).can_frames()) {
+        const auto frames = encoder.encode(sent, now).can_frames();
+        for (const CanFrame& frame : frames) {
             const auto snapshot = decoder->next(frame, now);
             received = snapshot ? snapshot : received;
         }

@@ -51,7 +51,8 @@ TEST(Discovery, MakesADeviceWithInputsOutputsCausesValuesAndEvents) {
 }
 
 TEST(Discovery, ExpiresWhateverIsToldEachSecond) {
-    for (const auto& [id, component] : discovered()["components"].items()) {
+    const nlohmann::json components = discovered()["components"];
+    for (const auto& [id, component] : components.items()) {
         if (component["platform"] != "event") {
             EXPECT_EQ(component["expire_after"], 5) << id;
             EXPECT_EQ(component["state_topic"], kTopics.status) << id;

@@ -137,7 +137,7 @@ TEST(CrsfDecoder, FindsWhatThePlainFormFindsOnAnyLine) {
         for (const DecodedFrame& frame :
              all_frames(decoder, bytes, {.longest = 40, .seed = seed})) {
             if (frame.channels.has_any()) {
-                found.push_back(frame.first_byte);
+                found.push_back(static_cast<std::size_t>(frame.first_byte));
             }
         }
         EXPECT_EQ(found, expected) << seed;

@@ -71,8 +71,8 @@ TEST(DsmWithoutPauses, EveryFaultEndsInTheRightPlaceAgain) {
             for (const DecodedFrame& frame : frames) {
                 // A frame stands in its place, but for the one that the fault hit near its end.
                 const bool in_place = std::ranges::any_of(
-                    std::array<std::size_t, 2>{frame.first_byte, frame.first_byte + 1},
-                    [&](std::size_t place) { return place % 16 == 0 || place % 16 == 1; });
+                    std::array{frame.first_byte, frame.first_byte + 1},
+                    [&](std::uint64_t place) { return place % 16 == 0 || place % 16 == 1; });
                 EXPECT_TRUE(in_place) << fault;
                 if (frame.first_byte > at + 16) {
                     const std::size_t shift = kind == FaultKind::lost    ? 15
