@@ -144,7 +144,7 @@ class FrameWatch {
 
 struct Reading {
     std::optional<LineStory> story;
-    std::uint64_t ibus2 = 0;
+    Tally tally;
 };
 
 Reading read_frames(const Heard& heard, const Protocol& protocol) {
@@ -160,11 +160,9 @@ Reading read_frames(const Heard& heard, const Protocol& protocol) {
         finder->feed_burst(index, heard.bursts[index]);
     }
     finder->finish();
-    Reading reading{.story = watch.finish(heard, finder->tally(), protocol.name)};
-    for (const NamedCount& cause : finder->tally().rejected) {
-        reading.ibus2 += cause.name == "ibus2" ? cause.count : 0;
-    }
-    return reading;
+    Tally tally = finder->tally();
+    auto story = watch.finish(heard, tally, protocol.name);
+    return {std::move(story), std::move(tally)};
 }
 
 /// Adds the frames of the sensor bus, alone or beside i.Bus.
@@ -232,8 +230,8 @@ bool may_carry(const LineSettings& line, const Protocol& protocol) {
 }
 
 /// A protocol at its usual rate comes before another one at a rate that it may be set to.
-Reading read_any(const Heard& heard) {
-    Reading best;
+std::optional<LineStory> read_any(const Heard& heard) {
+    std::optional<LineStory> best;
     for (const bool usual : {true, false}) {
         for (const Protocol* protocol : protocols()) {
             const bool own = heard.line.baud == protocol->line.baud;
@@ -241,18 +239,27 @@ Reading read_any(const Heard& heard) {
                 own != usual || !may_carry(heard.line, *protocol)) {
                 continue;
             }
-            Reading reading = read_frames(heard, *protocol);
-            best.ibus2 += reading.ibus2;
-            if (reading.story && (!best.story || is_cleaner(*reading.story, *best.story))) {
-                best.story = std::move(reading.story);
+            auto story = read_frames(heard, *protocol).story;
+            if (story && (!best || is_cleaner(*story, *best))) {
+                best = std::move(story);
             }
         }
     }
-    const bool may_be_sensor_bus = !best.story || best.story->protocol == kIbusProtocol.name;
+    const bool may_be_sensor_bus = !best || best->protocol == kIbusProtocol.name;
     if (heard.line == kIbusLine && may_be_sensor_bus) {
-        best.story = with_sensor_bus(heard, std::move(best.story));
+        best = with_sensor_bus(heard, std::move(best));
     }
     return best;
+}
+
+/// Frames of i-BUS2: the decoder of i.Bus tells them from others that it refuses.
+std::uint64_t ibus2_frames(const Heard& heard) {
+    if (!may_carry(heard.line, kIbusProtocol)) {
+        return 0;
+    }
+    const Tally tally = read_frames(heard, kIbusProtocol).tally;
+    const auto refused = std::ranges::find(tally.rejected, "ibus2", &NamedCount::name);
+    return refused == tally.rejected.end() ? 0 : refused->count;
 }
 
 /// Whether the two are the same frames, heard at rates so close that a port takes both.
@@ -266,11 +273,15 @@ bool are_neighbours(const LineStory& story, const LineStory& other) {
 std::optional<LineStory> best_of(std::span<const Heard> heard, bool believe_damage) {
     std::optional<LineStory> best;
     for (const Heard& one : heard) {
-        auto story = read_any(believe_damage ? one : undamaged(one)).story;
+        const std::uint64_t damaged = count_bytes(one).damaged;
+        if (!believe_damage && damaged == 0) {
+            continue;  // It was read as it is, and told nothing.
+        }
+        auto story = read_any(believe_damage ? one : undamaged(one));
         if (story && (!best || (is_cleaner(*story, *best) && !(are_neighbours(*story, *best) &&
                                                                story->frames <= best->frames)))) {
             best = std::move(story);
-            best->damaged = count_bytes(one).damaged;
+            best->damaged = damaged;
         }
     }
     return best;
@@ -308,7 +319,7 @@ LineStory judge_rest(std::span<const Heard> heard) {
         count.damaged += more.damaged;
         count.breaks += more.breaks;
         all.period = all.period ? all.period : period_of_breaks(one);
-        if (read_any(one).ibus2 >= kFewestFramesToJudge) {
+        if (ibus2_frames(one) >= kFewestFramesToJudge) {
             all.sound = LineSound::ibus2;
         }
     }
