@@ -18,7 +18,7 @@
 
 #include <fmt/format.h>
 
-#include "app/cli/is_in_memory.h"
+#include "app/cli/memory_filesystem.h"
 #include "app/cli/replace_file.h"
 #include "app/journal/log.h"
 #include "config/language/read_file.h"
@@ -68,6 +68,11 @@ tl::expected<std::uint64_t, std::string> first_of_new_sender() {
     return number % kMostFirst;
 }
 
+bool is_path_in_memory(const std::string& path) {
+    struct statfs system {};
+    return ::statfs(path.c_str(), &system) == 0 && is_in_memory(system);
+}
+
 }  // namespace
 
 std::shared_ptr<EpochFile> EpochFile::of(const std::string& path) {
@@ -113,7 +118,7 @@ tl::expected<void, std::string> EpochFile::open(SettingScope way) {
     }
     if (!opened) {
         lock_.reset();
-    } else if (is_in_memory(path_)) {
+    } else if (is_path_in_memory(path_)) {
         log_warning(
             "epoch file {} is in memory: after a start of this machine, frames that somebody "
             "recorded count again; name a file on a disk",

@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/file_error.h"
-#include "app/cli/is_in_memory.h"
+#include "app/cli/memory_filesystem.h"
 #include "app/journal/log.h"
 
 namespace tribus {
@@ -116,11 +116,12 @@ tl::expected<RingDirectory, std::string> RingDirectory::open(const fs::path& run
         return Failed("no RUNTIME_DIRECTORY is set");
     }
     UniqueFd lock(::open(runtime_directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-    if (!lock.valid()) {
+    struct statfs system {};
+    if (!lock.valid() || ::fstatfs(lock.get(), &system) != 0) {
         return file_error(runtime_directory, errno);
     }
     // On a disk, the driver could delay the data thread.
-    if (!is_in_memory(runtime_directory)) {
+    if (!is_in_memory(system)) {
         return Failed(fmt::format("{} is not in memory (tmpfs)", runtime_directory.string()));
     }
     if (::flock(lock.get(), LOCK_EX | LOCK_NB) != 0) {
