@@ -45,10 +45,10 @@ install_packages() {
         apt-get -q install --yes --no-install-recommends $missing >&2
 }
 
-# Number of compilers that may run at once: one for each processor and for each 1.3 GiB of memory.
+# Number of compilers that may run at once: one for each processor and for each 1.4 GiB of memory.
 compilers() {
     processors=$(nproc)
-    fit=$(awk '/^MemAvailable:/ { print int($2 / 1300000) }' /proc/meminfo)
+    fit=$(awk '/^MemAvailable:/ { print int($2 / 1500000) }' /proc/meminfo)
     [ "$fit" -ge 1 ] || fit=1
     [ "$fit" -lt "$processors" ] && echo "$fit" || echo "$processors"
 }

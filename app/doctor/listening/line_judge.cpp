@@ -142,12 +142,7 @@ class FrameWatch {
     std::uint64_t bytes_ = 0;
 };
 
-struct Reading {
-    std::optional<LineStory> story;
-    Tally tally;
-};
-
-Reading read_frames(const Heard& heard, const Protocol& protocol) {
+std::optional<LineStory> read_frames(const Heard& heard, const Protocol& protocol) {
     auto use = use_protocol(protocol, SettingScope::input, {});
     if (!use) {
         return {};
@@ -160,9 +155,7 @@ Reading read_frames(const Heard& heard, const Protocol& protocol) {
         finder->feed_burst(index, heard.bursts[index]);
     }
     finder->finish();
-    Tally tally = finder->tally();
-    auto story = watch.finish(heard, tally, protocol.name);
-    return {std::move(story), std::move(tally)};
+    return watch.finish(heard, finder->tally(), protocol.name);
 }
 
 /// Adds the frames of the sensor bus, alone or beside i.Bus.
@@ -239,7 +232,7 @@ std::optional<LineStory> read_any(const Heard& heard) {
                 own != usual || !may_carry(heard.line, *protocol)) {
                 continue;
             }
-            auto story = read_frames(heard, *protocol).story;
+            auto story = read_frames(heard, *protocol);
             if (story && (!best || is_cleaner(*story, *best))) {
                 best = std::move(story);
             }
@@ -250,16 +243,6 @@ std::optional<LineStory> read_any(const Heard& heard) {
         best = with_sensor_bus(heard, std::move(best));
     }
     return best;
-}
-
-/// Frames of i-BUS2: the decoder of i.Bus tells them from others that it refuses.
-std::uint64_t ibus2_frames(const Heard& heard) {
-    if (!may_carry(heard.line, kIbusProtocol)) {
-        return 0;
-    }
-    const Tally tally = read_frames(heard, kIbusProtocol).tally;
-    const auto refused = std::ranges::find(tally.rejected, "ibus2", &NamedCount::name);
-    return refused == tally.rejected.end() ? 0 : refused->count;
 }
 
 /// Whether the two are the same frames, heard at rates so close that a port takes both.
@@ -319,13 +302,10 @@ LineStory judge_rest(std::span<const Heard> heard) {
         count.damaged += more.damaged;
         count.breaks += more.breaks;
         all.period = all.period ? all.period : period_of_breaks(one);
-        if (ibus2_frames(one) >= kFewestFramesToJudge) {
-            all.sound = LineSound::ibus2;
-        }
     }
     all.bytes = count.bytes;
     all.damaged = count.damaged;
-    if (all.sound != LineSound::ibus2 && count.bytes > 0) {
+    if (count.bytes > 0) {
         const bool mostly_low = 5 * count.breaks >= 4 * count.bytes;
         all.sound = mostly_low ? LineSound::breaks : LineSound::unknown;
     }
