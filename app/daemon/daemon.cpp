@@ -9,6 +9,7 @@
 #include "config/build/carry_over.h"
 #include "core/counted.h"
 #include "pipelines/realtime/clock.h"
+#include "pipelines/realtime/locked_memory.h"
 
 namespace tribus {
 namespace {
@@ -41,6 +42,7 @@ void Daemon::show_started() {
     log_->log_interfaces(*appliance_);
     sockets_.show(*appliance_);
     service_.started(*appliance_, now);
+    drop_idle_code_after(now);
 }
 
 /// Reports an appliance that replaced another one, which had `ports_before`.
@@ -181,6 +183,14 @@ void Daemon::look(Instant now) {
     service_.look(*appliance_, now);
     appliance_->look_at_recorder(now);
     appliance_->look_at_epochs();
+    if (now >= drop_idle_code_at_) {
+        drop_idle_code();
+        drop_idle_code_at_ = kNever;
+    }
+}
+
+void Daemon::drop_idle_code_after(Instant now) {
+    drop_idle_code_at_ = now + std::chrono::seconds(1);
 }
 
 void Daemon::end() {

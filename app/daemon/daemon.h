@@ -115,6 +115,8 @@ class Daemon {
     void set_trial(std::optional<Trial> trial);
     void restart();
     void show_started();
+    /// A moment later; what was begun is then logged and shown.
+    void drop_idle_code_after(Instant now);
     void show_successor(const std::vector<PortPlan>& ports_before, const CarryOver& carry_over);
 
     std::string path_;
@@ -129,6 +131,7 @@ class Daemon {
     std::map<std::uint64_t, ReloadOutcome> outcomes_;
     bool hung_up_ = false;
     Instant next_hang_up_{};
+    Instant drop_idle_code_at_ = kNever;
 };
 
 }  // namespace tribus

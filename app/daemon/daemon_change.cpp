@@ -97,10 +97,12 @@ void Daemon::go_on(Instant now) {
         remember(change.number, change.kind == ChangeKind::back ? finish_going_back(change)
                                                                 : finish_reload(change));
         next_hang_up_ = later(now, kHangUpPause);
+        drop_idle_code_after(now);
     } else if (change_ && change_->kind != ChangeKind::back && now >= change_->latest_end) {
         const std::uint64_t number = change_->number;
         change_.reset();
         remember(number, refuse({{path_, {}, "was not read within a minute", true}}));
+        drop_idle_code_after(now);
     }
     if (hung_up_ && !change_ && appliance_ && now >= next_hang_up_) {
         hung_up_ = false;

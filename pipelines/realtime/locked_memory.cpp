@@ -39,11 +39,15 @@ std::uintptr_t address_of(const char* symbol) {
     return reinterpret_cast<std::uintptr_t>(symbol);
 }
 
-/// Applies `function` to whole pages. They have 4 KiB, on a Raspberry Pi 5 16 KiB.
+/// In bytes: 4 KiB, on a Raspberry Pi 5 16 KiB.
+std::uintptr_t page_size() {
+    return static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+}
+
+/// Applies `function` to each page that has a part of the range.
 template <class Function>
 int advise(Function function, MemoryRange range) {
-    const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
-    const std::uintptr_t begin = range.begin / page * page;
+    const std::uintptr_t begin = range.begin / page_size() * page_size();
     // The loader and /proc/self/maps give addresses as numbers.
     return function(reinterpret_cast<void*>(begin),  // NOLINT(performance-no-int-to-ptr)
                     range.end - begin);
@@ -74,14 +78,18 @@ int each_clean_segment(Visit visit) {
     return ::dl_iterate_phdr(visit_object, &visit);
 }
 
-/// Read-only segments can be dropped because the kernel reads them again from their files.
-void drop_clean_segments() {
-    each_clean_segment([](MemoryRange segment) {
-        advise(
-            [](void* begin, std::size_t length) { return ::madvise(begin, length, MADV_DONTNEED); },
-            segment);
-        return 0;
-    });
+/// Read-only pages can be dropped because the kernel reads them again from their files.
+int drop_clean(MemoryRange range) {
+    return advise(
+        [](void* begin, std::size_t length) { return ::madvise(begin, length, MADV_DONTNEED); },
+        range);
+}
+
+/// Pages stay from their first use on.
+int lock_on_use(MemoryRange range) {
+    return advise(
+        [](void* begin, std::size_t length) { return ::mlock2(begin, length, MLOCK_ONFAULT); },
+        range);
 }
 
 /// Locks the segment of the C library's code, found by the address of one of its functions.
@@ -139,14 +147,10 @@ void lock_writable_memory(FirstError& first) {
     }));
 }
 
-/// Pages of the heap stay from their first use on.
 void lock_heap(FirstError& first) {
     first.note(each_writable_range([&](MemoryRange range, Mapping mapping) {
         if (mapping == Mapping::heap) {
-            first.note(
-                advise([](void* begin,
-                          std::size_t length) { return ::mlock2(begin, length, MLOCK_ONFAULT); },
-                       range));
+            first.note(lock_on_use(range));
         }
     }));
 }
@@ -171,7 +175,7 @@ bool limit_binds() {
     if (::getrlimit(RLIMIT_MEMLOCK, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) {
         return false;
     }
-    const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+    const std::size_t page = page_size();
     // A limit of 64 bits may be more than a process of 32 bits can map.
     if (limit.rlim_cur > std::numeric_limits<std::size_t>::max() - page) {
         return false;
@@ -197,7 +201,8 @@ bool lock_all_that_comes() {
     return true;
 }
 
-std::atomic<bool> some_comes_unlocked{false};
+enum class Locked : std::uint8_t { nothing, present, present_and_future };
+std::atomic<Locked> locked{Locked::nothing};
 
 }  // namespace
 
@@ -205,21 +210,39 @@ int lock_memory() {
     ::munlockall();
     ::malloc_trim(0);
     if (kDataPathCodeBegin != nullptr) {
-        drop_clean_segments();
+        each_clean_segment([](MemoryRange segment) {
+            drop_clean(segment);
+            return 0;
+        });
     }
     FirstError first;
-    some_comes_unlocked = !lock_all_that_comes();
+    locked = lock_all_that_comes() ? Locked::present_and_future : Locked::present;
     lock_data_path(first);
     lock_writable_memory(first);
-    if (some_comes_unlocked) {
+    if (locked == Locked::present) {
         lock_heap(first);
     }
     return first.error();
 }
 
+void drop_idle_code() {
+    if (kDataPathCodeBegin == nullptr || locked == Locked::nothing) {
+        return;
+    }
+    // The first and the last page may have a part of the data path.
+    const MemoryRange code{(address_of(kDataPathCodeEnd) / page_size() + 1) * page_size(),
+                           address_of(kDataPathConstantsBegin) / page_size() * page_size()};
+    // Locked pages cannot be dropped.
+    advise([](void* begin, std::size_t length) { return ::munlock(begin, length); }, code);
+    drop_clean(code);
+    if (locked == Locked::present_and_future) {
+        lock_on_use(code);
+    }
+}
+
 int lock_new_memory() {
     FirstError first;
-    if (some_comes_unlocked) {
+    if (locked == Locked::present) {
         lock_writable_memory(first);
         lock_heap(first);
     }

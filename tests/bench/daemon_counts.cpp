@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <csignal>
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
@@ -204,20 +205,28 @@ tl::expected<DaemonCalls, std::string> daemon_calls(const ApplianceSettings& set
 tl::expected<DaemonMemory, std::string> daemon_memory(const ApplianceSettings& settings) {
     constexpr std::size_t kMany = 64;
     std::array<ProcessUsage, 2> usage;
+    ProcessUsage reloaded;
     for (const std::size_t i : {std::size_t{0}, std::size_t{1}}) {
         auto subject = started_daemon(i == 0 ? 1 : kMany, settings);
         if (!subject) {
             return Refused(subject.error());
         }
-        // A second: the main thread too has run all that it runs while frames flow.
-        drive(*subject,
-              {.rounds = static_cast<std::uint64_t>(std::chrono::seconds(1) / kFramePeriod)});
+        // The main thread too has run all that it runs while frames flow, and has dropped the rest.
+        constexpr Duration kSettling = std::chrono::milliseconds(1500);
+        constexpr auto kRounds = static_cast<std::uint64_t>(kSettling / kFramePeriod);
+        drive(*subject, {.rounds = kRounds});
         usage[i] = subject->usage().value_or(ProcessUsage{});
+        if (i == 0) {
+            ::kill(subject->process().id(), SIGHUP);
+            drive(*subject, {.rounds = kRounds});
+            reloaded = subject->usage().value_or(ProcessUsage{});
+        }
     }
     const auto anonymous = [&](std::size_t i) {
         return static_cast<double>(usage[i].anonymous_bytes);
     };
     return DaemonMemory{.one_pipeline = static_cast<double>(usage[0].resident_bytes),
+                        .after_a_reload = static_cast<double>(reloaded.resident_bytes),
                         .locked = static_cast<double>(usage[0].locked_bytes),
                         .of_no_file = anonymous(0),
                         .each_further = (anonymous(1) - anonymous(0)) / (kMany - 1)};

@@ -37,9 +37,10 @@ inline constexpr double kMostOfMainThread = 25'000;
 /// before, and a write; and some wake-ups for the figures.
 inline constexpr double kMostCallsAFrame = 4.05;
 inline constexpr double kLeastCallsAFrame = 3;
-/// Memory of the program, all of it locked, in bytes; of it that of no file; and that of no file
-/// for each further pipeline.
-inline constexpr double kMostMemory = 4.4e6;
+/// Memory of the program, all of it locked, in bytes; after a reload; of it that of no file; and
+/// that of no file for each further pipeline.
+inline constexpr double kMostMemory = 4.0e6;
+inline constexpr double kMostMemoryAfterAReload = 4.5e6;
 inline constexpr double kMostMemoryOfNoFile = 0.77e6;
 inline constexpr double kMostMemoryOfAPipeline = 14.3 * 1024;
 
@@ -61,11 +62,12 @@ struct DaemonCalls {
 tl::expected<DaemonCalls, std::string> daemon_calls(const ApplianceSettings& settings);
 
 struct DaemonMemory {
-    double one_pipeline = 0;  ///< bytes resident with one pipeline
-    double locked = 0;        ///< bytes of these that are locked
-    double of_no_file = 0;    ///< bytes of these that are of no file: heap, stacks, data
+    double one_pipeline = 0;    ///< bytes resident with one pipeline
+    double after_a_reload = 0;  ///< the same
+    double locked = 0;          ///< bytes of the first that are locked
+    double of_no_file = 0;      ///< bytes of these that are of no file: heap, stacks, data
     /// Bytes of no file for each further pipeline, of 64. How much of the program's file is
-    /// resident changes by 0.4 MB from start to start.
+    /// resident changes by 0.3 MB from start to start.
     double each_further = 0;
 };
 
