@@ -26,6 +26,11 @@ prepare_and_build() {
     build ON "$@"
 }
 
+# For parts that run the programs and no test of CMake's.
+build_programs() {
+    prepare_and_build tribus tribus-web tribus-mqtt
+}
+
 # Many tests wait more than they compute, so six times as many run as there are processors.
 run_tests() {
     ctest --test-dir build --output-on-failure --parallel $(($(nproc) * 6)) "$@"
@@ -70,9 +75,9 @@ groups() {
 part() {
     case $1 in
         first) first_tier ;;
-        page) app/web/build.sh --tests ;;
-        peers) tests/peers/run.sh ;;
-        fleet) tests/fleet/run.sh ;;
+        page) build_programs && app/web/build.sh --tests ;;
+        peers) build_programs && tests/peers/run.sh ;;
+        fleet) build_programs && tests/fleet/run.sh ;;
         laboratory) laboratory full 'all second_tier' --label-regex 'lab_fast|lab_full|long' ;;
         service) laboratory service 'all second_tier' --label-regex lab_service ;;
         tidy) .ci/clang_tidy ;;
