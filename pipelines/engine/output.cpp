@@ -179,6 +179,7 @@ bool Output::make_control_frame(ChannelFrame& frame, Instant now) {
     valid_until_ = selector_.alive_until();
     ongoing_.glide.apply(frame, now);
     ongoing_.held = frame;
+    ongoing_.holding_since = valid_until_;
     return true;
 }
 
@@ -212,8 +213,11 @@ bool Output::make_frame(ChannelFrame& frame, Instant now, std::span<const Input>
     ongoing_.awaits_release = false;
     if (bridging) {
         if (ongoing_.stage == OutputStage::control) {
-            // An input that lost control for another reason may still be alive.
-            const Instant lost_at = inputs[*selector_.current()].link().lost_at();
+            // Frames that waited through a stall may have moved the input's loss, and do not make
+            // the held values younger. An input that lost control for another reason may still be
+            // alive.
+            const Instant lost_at =
+                std::min(inputs[*selector_.current()].link().lost_at(), ongoing_.holding_since);
             ongoing_.holding_since = lost_at <= end_of_period ? lost_at : now;
         }
         ongoing_.stage = OutputStage::holding;

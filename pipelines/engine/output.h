@@ -210,6 +210,7 @@ class Output {
         int foreign_run = 0;
         Instant yield_until{};
         std::optional<ChannelFrame> held{};
+        /// In control: if no frame follows.
         Instant holding_since{};
         /// The latest `run` made a frame.
         bool made_frame = false;

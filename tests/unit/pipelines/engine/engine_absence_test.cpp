@@ -11,6 +11,15 @@ namespace {
 
 constexpr FailsafeSettings kHoldsLong{.hold = 10s, .recover = 500ms};
 
+/// Receives a frame of 1800 us that waited since 1000 ms.
+void receive_what_waited(Bench& bench) {
+    ChannelFrame frame;
+    frame.set(0, us(1800));
+    std::array<std::uint8_t, kLongestSerialFrame> wire{};
+    const std::size_t length = IbusEncoder(14).write(frame, wire, Instant{});
+    bench.engine().receive(0, std::span(wire).first(length), at(1000ms));
+}
+
 /// In control with 1200 us from 0 ms on. The thread stops at 1000 ms.
 class Absence : public testing::Test {
   protected:
@@ -18,14 +27,6 @@ class Absence : public testing::Test {
         : bench_(list(ibus_input()), list(sbus_output({0}, failsafe))) {
         bench_.ibus_run(0, at(0ms), at(1000ms), us(1200));
         bench_.loop().run_until(at(1000ms));
-    }
-    /// Receives a frame of 1800 us that waited.
-    void receive_what_waited() {
-        ChannelFrame frame;
-        frame.set(0, us(1800));
-        std::array<std::uint8_t, kLongestSerialFrame> wire{};
-        const std::size_t length = IbusEncoder(14).write(frame, wire, Instant{});
-        bench_.engine().receive(0, std::span(wire).first(length), at(1000ms));
     }
     bool control(Instant when) {
         const SbusFrame frame = bench_.said(when);
@@ -36,7 +37,7 @@ class Absence : public testing::Test {
 };
 
 TEST_F(Absence, shorter_than_the_timeout_leaves_control_with_the_newest_frame) {
-    receive_what_waited();
+    receive_what_waited(bench_);
     bench_.loop().come_back(at(1000ms), at(1080ms));
     EXPECT_TRUE(control(at(1080ms)));
     EXPECT_EQ(bench_.said(at(1080ms)).raw[0], raw_of(1800));
@@ -44,13 +45,13 @@ TEST_F(Absence, shorter_than_the_timeout_leaves_control_with_the_newest_frame) {
 
 /// The frame may have come just after the thread stopped.
 TEST_F(Absence, makes_a_frame_that_waited_as_old_as_it_may_be) {
-    receive_what_waited();
+    receive_what_waited(bench_);
     bench_.loop().come_back(at(1000ms), at(1080ms));
     EXPECT_FALSE(control(at(1100ms)));
 }
 
 TEST_F(Absence, as_long_as_the_timeout_gives_no_control_to_what_waited) {
-    receive_what_waited();
+    receive_what_waited(bench_);
     bench_.loop().come_back(at(1000ms), at(1100ms));
     EXPECT_FALSE(control(at(1100ms)));
 }
@@ -80,8 +81,20 @@ TEST_F(Absence, asks_for_recover_even_of_a_link_whose_latest_frame_is_young) {
     EXPECT_FALSE(control(at(1300ms)));
 }
 
+/// Held since 945 + 100 ms, where the latest frame before the stop was lost.
+TEST(AbsenceAfterSilence, makes_held_values_no_younger_than_their_frame) {
+    Bench bench(list(ibus_input()),
+                list(sbus_output({0}, FailsafeSettings{.hold = 500ms, .recover = 500ms})));
+    bench.ibus_run(0, at(0ms), at(950ms), us(1200));
+    bench.loop().run_until(at(1000ms));
+    receive_what_waited(bench);
+    bench.loop().come_back(at(1000ms), at(1200ms));
+    EXPECT_FALSE(bench.said(at(1520ms)).failsafe);
+    EXPECT_TRUE(bench.said(at(1560ms)).failsafe);
+}
+
 TEST_F(Absence, shows_as_a_silent_wire_until_the_next_frame) {
-    receive_what_waited();
+    receive_what_waited(bench_);
     bench_.loop().come_back(at(1000ms), at(1200ms));
     EXPECT_EQ(bench_.engine().inputs()[0].state().cause, LinkCause::wire_silent);
 }
