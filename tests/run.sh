@@ -26,7 +26,7 @@ prepare_and_build() {
     build ON "$@"
 }
 
-# For parts that run the programs and no test of CMake's.
+# For parts that run the programs from scripts of their own.
 build_programs() {
     prepare_and_build tribus tribus-web tribus-mqtt
 }

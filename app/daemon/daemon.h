@@ -115,7 +115,7 @@ class Daemon {
     void set_trial(std::optional<Trial> trial);
     void restart();
     void show_started();
-    /// A moment later; what was begun is then logged and shown.
+    /// A second after `now`: by then, what began at `now` is logged and shown.
     void drop_idle_code_after(Instant now);
     void show_successor(const std::vector<PortPlan>& ports_before, const CarryOver& carry_over);
 

@@ -210,7 +210,8 @@ class Output {
         int foreign_run = 0;
         Instant yield_until{};
         std::optional<ChannelFrame> held{};
-        /// In control: if no frame follows.
+        /// When the values that are held were lost; in control, when they will be if no frame
+        /// follows.
         Instant holding_since{};
         /// The latest `run` made a frame.
         bool made_frame = false;

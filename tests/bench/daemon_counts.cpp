@@ -219,6 +219,9 @@ tl::expected<DaemonMemory, std::string> daemon_memory(const ApplianceSettings& s
         if (i == 0) {
             ::kill(subject->process().id(), SIGHUP);
             drive(*subject, {.rounds = kRounds});
+            if (subject->process().errors().find("reloaded") == std::string::npos) {
+                return Refused("tribus run did not reload: " + subject->process().errors());
+            }
             reloaded = subject->usage().value_or(ProcessUsage{});
         }
     }

@@ -63,7 +63,7 @@ tl::expected<DaemonCalls, std::string> daemon_calls(const ApplianceSettings& set
 
 struct DaemonMemory {
     double one_pipeline = 0;    ///< bytes resident with one pipeline
-    double after_a_reload = 0;  ///< the same
+    double after_a_reload = 0;  ///< bytes resident with it, 1.5 s after a reload
     double locked = 0;          ///< bytes of the first that are locked
     double of_no_file = 0;      ///< bytes of these that are of no file: heap, stacks, data
     /// Bytes of no file for each further pipeline, of 64. How much of the program's file is
