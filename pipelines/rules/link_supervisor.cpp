@@ -102,8 +102,12 @@ void LinkSupervisor::count_frame_lost(bool lost) {
 /// toggle.
 bool LinkSupervisor::too_many_lost() const {
     constexpr double kSlack = 0.1;
+    if (lost_count_ == 0) {
+        return false;
+    }
+    const double limit = settings_.frame_lost_ratio;
     const bool already = radio_lost_ && sign_ == RadioLossSign::frame_lost_ratio;
-    const double most = settings_.frame_lost_ratio - (already ? kSlack : 0);
+    const double most = already ? std::max(limit - kSlack, limit / 2) : limit;
     return static_cast<double>(lost_count_) > most * kRatioFrames;
 }
 
@@ -143,22 +147,28 @@ bool LinkSupervisor::channels_missing(const ChannelFrame& frame, Instant now) {
     return now < later(fewer_since_, settings_.fewer_channels_after);
 }
 
-/// Compares channels only: a change of flags does not show that the values are alive.
-void LinkSupervisor::watch_for_change(const ChannelFrame& frame, Instant now) {
-    if (settings_.frozen > Duration::zero() && (!ever_frame_ || !frame.same_channels(unchanged_))) {
-        unchanged_ = frame;
-        unchanged_since_ = now;
-    }
-}
-
 Instant LinkSupervisor::not_after_frozen(Instant expiry) const {
     return settings_.frozen > Duration::zero()
                ? std::min(expiry, later(unchanged_since_, settings_.frozen))
                : expiry;
 }
 
+/// Compares channels only: a change of flags does not show that the values are alive. An
+/// implausible frame does not show it either, because noise can damage a frame so that its sum is
+/// still right. Noise does not do that for as long as the timeout: after that the values are new.
+[[gnu::noinline]] void LinkSupervisor::watch_for_change(const ChannelFrame& frame, Kind kind,
+                                                        Instant now) {
+    const bool implausible_until_now =
+        latest_kind_ == Kind::implausible && now - kind_since_ >= settings_.timeout;
+    const bool changed = !ever_frame_ || implausible_until_now || !frame.same_channels(unchanged_);
+    if (changed && kind != Kind::implausible) {
+        unchanged_ = frame;
+        unchanged_since_ = now;
+    }
+    expires_ = not_after_frozen(expires_);
+}
+
 void LinkSupervisor::take(ChannelFrame& frame, Instant now) {
-    watch_for_change(frame, now);
     frame.frame_lost = frame.frame_lost && settings_.frame_lost_flag;
     frame.failsafe = frame.failsafe && settings_.failsafe_flag;
     count_frame_lost(frame.frame_lost);
@@ -167,6 +177,9 @@ void LinkSupervisor::take(ChannelFrame& frame, Instant now) {
         accept(frame, now);
     } else {
         refuse(verdict, now);
+    }
+    if (settings_.frozen > Duration::zero()) {
+        watch_for_change(frame, verdict.kind, now);
     }
     frame.failsafe = verdict.kind == Kind::radio_lost;
     kind_since_ = verdict.kind == latest_kind_ && ever_frame_ ? kind_since_ : now;
@@ -190,7 +203,7 @@ void LinkSupervisor::accept(const ChannelFrame& frame, Instant now) {
     channels_missing_ = false;
     ever_good_ = true;
     good_ = frame;
-    expires_ = not_after_frozen(frame.received + settings_.timeout);
+    expires_ = frame.received + settings_.timeout;
 }
 
 [[gnu::noinline]] void LinkSupervisor::refuse(Verdict verdict, Instant now) {
@@ -210,8 +223,7 @@ void LinkSupervisor::accept(const ChannelFrame& frame, Instant now) {
         channels_missing_ = true;
     } else if (verdict.kind == Kind::frame_lost && settings_.frame_lost_run && now < expires_) {
         // Frames still arrive. A link that is lost already stays lost.
-        expires_ = not_after_frozen(
-            std::min(now + settings_.timeout, good_.received + *settings_.frame_lost_run));
+        expires_ = std::min(now + settings_.timeout, good_.received + *settings_.frame_lost_run);
     }
 }
 

@@ -83,7 +83,7 @@ class LinkSupervisor {
         RadioLossSign sign = RadioLossSign::none;
     };
 
-    void watch_for_change(const ChannelFrame& frame, Instant now);
+    void watch_for_change(const ChannelFrame& frame, Kind kind, Instant now);
     Verdict judge(const ChannelFrame& frame, Instant now);
     void accept(const ChannelFrame& frame, Instant now);
     bool channels_missing(const ChannelFrame& frame, Instant now);

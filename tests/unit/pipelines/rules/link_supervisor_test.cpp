@@ -119,6 +119,19 @@ TEST(FrameLostRatio, of_one_turns_it_off) {
     EXPECT_EQ(link.cause(3s), LinkCause::good);
 }
 
+TEST(FrameLostRatio, lets_the_link_come_back_at_half_of_every_limit) {
+    for (int percent = 1; percent < 100; ++percent) {
+        const auto half_of_it_lost = [=](std::int64_t n) {
+            const bool lost = 37 * n % 100 < percent / 2;  // spread over each hundred frames
+            return lost ? frame_lost(sticks()) : sticks(1200 + n % 100);
+        };
+        Link link({.frame_lost_ratio = percent / 100.0});
+        link.same(800ms, frame_lost(sticks()));
+        EXPECT_EQ(link.state(800ms).sign, RadioLossSign::frame_lost_ratio);
+        EXPECT_EQ(link.frames(2s, half_of_it_lost).cause(2s), LinkCause::good) << percent;
+    }
+}
+
 TEST(FrameLostRatio, that_was_too_high_must_fall_well_below_before_the_link_is_good_again) {
     // One good frame in eleven means 90 or 91 lost frames in a hundred: the ratio changes around
     // the limit.
@@ -201,6 +214,29 @@ TEST(Frozen, a_flag_that_changes_is_no_change_of_the_values) {
     });
     EXPECT_EQ(link.cause(499ms), LinkCause::good);
     EXPECT_EQ(link.cause(500ms), LinkCause::stale);
+}
+
+TEST(Frozen, an_implausible_frame_between_frames_that_do_not_change_is_no_change) {
+    const SupervisionSettings settings{.frozen = 500ms, .plausible = PulseRange{us(900), us(2100)}};
+    const Link link = Link(settings)
+                          .same(350ms, sticks(1200))
+                          .same(357ms, sticks(2101))  // damaged, although its sum is right
+                          .same(600ms, sticks(1200));
+    EXPECT_EQ(link.cause(500ms - 1ns), LinkCause::good);
+    EXPECT_EQ(link.cause(600ms), LinkCause::stale);
+    EXPECT_EQ(link.state(600ms).since, at(0ms));
+}
+
+TEST(Frozen, values_that_come_back_after_implausible_ones_for_the_timeout_are_new) {
+    const SupervisionSettings settings{.frozen = 500ms, .plausible = PulseRange{us(900), us(2100)}};
+    const auto back_after = [&](std::chrono::milliseconds implausible) {
+        return Link(settings)
+            .same(350ms, sticks(1200))
+            .same(350ms + implausible, sticks(2101))
+            .same(600ms, sticks(1200));
+    };
+    EXPECT_EQ(back_after(105ms).cause(600ms), LinkCause::good);  // 105 ms from its first frame on
+    EXPECT_EQ(back_after(98ms).cause(600ms), LinkCause::stale);
 }
 
 TEST(Frozen, is_off_where_nobody_asked_for_it) {
