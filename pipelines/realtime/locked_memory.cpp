@@ -7,20 +7,24 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cinttypes>
 #include <cstdint>
 #include <cstdio>
 #include <limits>
 #include <memory>
 #include <string_view>
+#include <thread>
 
 // Range of the data path's code and constants (app/data_path.ld). Null if linked without it.
 extern "C" {
 [[gnu::weak]] extern const char kDataPathCodeBegin[];
 [[gnu::weak]] extern const char kDataPathCodeEnd[];
+[[gnu::weak]] extern const char kRunningCodeEnd[];
 [[gnu::weak]] extern const char kDataPathConstantsBegin[];
 [[gnu::weak]] extern const char kDataPathConstantsEnd[];
 }
@@ -204,6 +208,20 @@ bool lock_all_that_comes() {
 enum class Locked : std::uint8_t { nothing, present, present_and_future };
 std::atomic<Locked> locked{Locked::nothing};
 
+/// Bytes reach a serial port through a thread of the kernel that may have to wait until this thread
+/// pauses. 16 pages at a time made a sensor bus miss an answer on the slow board of the laboratory.
+constexpr std::uintptr_t kPagesAtATime = 4;
+constexpr std::chrono::milliseconds kPause{1};
+
+/// Locked pages cannot be dropped.
+void drop_locked(MemoryRange range) {
+    advise([](void* begin, std::size_t length) { return ::munlock(begin, length); }, range);
+    drop_clean(range);
+    if (locked == Locked::present_and_future) {
+        lock_on_use(range);
+    }
+}
+
 }  // namespace
 
 int lock_memory() {
@@ -229,14 +247,13 @@ void drop_idle_code() {
     if (kDataPathCodeBegin == nullptr || locked == Locked::nothing) {
         return;
     }
-    // The first and the last page may have a part of the data path.
-    const MemoryRange code{(address_of(kDataPathCodeEnd) / page_size() + 1) * page_size(),
+    // The first and the last page may have a part of what runs.
+    const MemoryRange code{(address_of(kRunningCodeEnd) / page_size() + 1) * page_size(),
                            address_of(kDataPathConstantsBegin) / page_size() * page_size()};
-    // Locked pages cannot be dropped.
-    advise([](void* begin, std::size_t length) { return ::munlock(begin, length); }, code);
-    drop_clean(code);
-    if (locked == Locked::present_and_future) {
-        lock_on_use(code);
+    for (MemoryRange part = code; part.begin < code.end; part.begin = part.end) {
+        part.end = std::min(code.end, part.begin + kPagesAtATime * page_size());
+        drop_locked(part);
+        std::this_thread::sleep_for(kPause);
     }
 }
 

@@ -14,9 +14,10 @@ namespace tribus {
 /// number from the kernel; it locks the rest all the same.
 [[nodiscard]] int lock_memory();
 
-/// Drops code of the program that is not the data path's; each page comes back and stays when it is
-/// used again. Call it when something has run that seldom runs. Does nothing before `lock_memory`.
-/// Any thread.
+/// Drops code of the program that does not run while frames flow; each page comes back and stays
+/// when it is used again. Call it when something has run that seldom runs. Does nothing before
+/// `lock_memory`. Takes about 0.2 s, mostly in pauses, so that it delays no other thread. Any
+/// thread.
 void drop_idle_code();
 
 /// Locks what was allocated since `lock_memory`, if the limit kept that from being locked
