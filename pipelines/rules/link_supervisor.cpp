@@ -155,11 +155,12 @@ Instant LinkSupervisor::not_after_frozen(Instant expiry) const {
 
 /// Compares channels only: a change of flags does not show that the values are alive. An
 /// implausible frame does not show it either, because noise can damage a frame so that its sum is
-/// still right. Noise does not do that for as long as the timeout: after that the values are new.
+/// still right. Noise does not do that to each frame for the timeout: after that the values are
+/// new.
 [[gnu::noinline]] void LinkSupervisor::watch_for_change(const ChannelFrame& frame, Kind kind,
                                                         Instant now) {
     const bool implausible_until_now =
-        latest_kind_ == Kind::implausible && now - kind_since_ >= settings_.timeout;
+        latest_kind_ == Kind::implausible && latest_frame_ - kind_since_ >= settings_.timeout;
     const bool changed = !ever_frame_ || implausible_until_now || !frame.same_channels(unchanged_);
     if (changed && kind != Kind::implausible) {
         unchanged_ = frame;

@@ -235,8 +235,18 @@ TEST(Frozen, values_that_come_back_after_implausible_ones_for_the_timeout_are_ne
             .same(350ms + implausible, sticks(2101))
             .same(600ms, sticks(1200));
     };
-    EXPECT_EQ(back_after(105ms).cause(600ms), LinkCause::good);  // 105 ms from its first frame on
-    EXPECT_EQ(back_after(98ms).cause(600ms), LinkCause::stale);
+    EXPECT_EQ(back_after(112ms).cause(600ms), LinkCause::good);  // 105 ms from first to last
+    EXPECT_EQ(back_after(105ms).cause(600ms), LinkCause::stale);
+}
+
+TEST(Frozen, values_that_come_back_after_an_implausible_frame_and_silence_are_not_new) {
+    const SupervisionSettings settings{.frozen = 500ms, .plausible = PulseRange{us(900), us(2100)}};
+    const Link link = Link(settings)
+                          .same(350ms, sticks(1200))
+                          .same(357ms, sticks(2101))
+                          .silence(490ms)
+                          .same(600ms, sticks(1200));
+    EXPECT_EQ(link.cause(600ms), LinkCause::stale);
 }
 
 TEST(Frozen, is_off_where_nobody_asked_for_it) {
