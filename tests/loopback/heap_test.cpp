@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/loopback/loopback.h"
+#include "tests/support/sanitized.h"
 
 namespace tribus::test::heap_test {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 class HeapTrap : public Loopback {
   protected:
     void SetUp() override {
-        if (!heap_trap_works()) {
+        if (kSanitized) {
             GTEST_SKIP() << "a sanitizer has the heap";
         }
     }

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/loopback/loopback.h"
+#include "tests/support/sanitized.h"
 
 namespace tribus::test::ordinary_user_test {
 namespace {
@@ -41,6 +42,9 @@ TEST_F(OrdinaryUser, RunsTheDemo) {
 
 /// Containers and older systems have such a limit.
 TEST_F(OrdinaryUser, RunsTheDemoWhereNearlyNothingMayBeLockedAndIsToldSo) {
+    if (kSanitized) {
+        GTEST_SKIP() << "a sanitizer locks no memory and says that it has";
+    }
     for (const std::size_t most : {std::size_t{64} << 10U, std::size_t{0}}) {
         Program& program = start_as_user({"demo", "--seconds", "1"}, most);
         EXPECT_EQ(program.end(), 0) << program.errors() << program.output();
@@ -95,6 +99,9 @@ TEST_F(OrdinaryUser, TakesMoreMemoryAtAReloadThanMayBeLocked) {
 
 /// The data path uses a few MiB, so the limit is enough for it.
 TEST_F(OrdinaryUser, HasWhatTheDataPathTouchesInMemory) {
+    if (kSanitized) {
+        GTEST_SKIP() << "a sanitizer locks no memory";
+    }
     own_device("receiver");
     own_device("servos");
     Program& program = start_as_user({"run", write_config(main_job(kPatientInput))});

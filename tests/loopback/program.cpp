@@ -17,16 +17,7 @@
 #include <iterator>
 #include <stdexcept>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define TRIBUS_OWN_HEAP 0
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define TRIBUS_OWN_HEAP 0
-#endif
-#endif
-#ifndef TRIBUS_OWN_HEAP
-#define TRIBUS_OWN_HEAP 1
-#endif
+#include "tests/support/sanitized.h"
 
 namespace tribus::test {
 namespace {
@@ -81,10 +72,6 @@ void become_ordinary_user(rlim_t most_locked_bytes) {
 
 }  // namespace
 
-bool heap_trap_works() {
-    return TRIBUS_OWN_HEAP != 0;
-}
-
 Program::Program(const std::filesystem::path& folder, const std::vector<std::string>& arguments,
                  const ProgramSettings& settings)
     : output_file_(unused_name(folder, "output")), errors_file_(unused_name(folder, "errors")) {
@@ -123,7 +110,7 @@ void Program::become(const std::vector<std::string>& arguments, const ProgramSet
     ::setenv("RUNTIME_DIRECTORY", runtime.c_str(), 1);
     if (settings.ordinary_user) {
         become_ordinary_user(settings.most_locked_bytes);
-    } else if (heap_trap_works()) {
+    } else if (!kSanitized) {
         ::setenv("LD_PRELOAD", TRIBUS_HEAP_TRAP, 1);
     }
     if (settings.most_descriptors != 0) {

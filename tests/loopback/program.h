@@ -33,9 +33,6 @@ bool eventually(Done done, std::chrono::seconds patience = kPatience) {
 /// Debian's account `nobody` and its group.
 inline constexpr uid_t kOrdinaryUser = 65534;
 
-/// Returns whether the program runs with the heap trap, which a sanitizer makes impossible.
-bool heap_trap_works();
-
 struct ProgramSettings {
     std::string executable = TRIBUS_PROGRAM;
     /// A tty that becomes its controlling terminal, standard input and standard output.

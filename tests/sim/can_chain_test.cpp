@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "tests/sim/stored_table.h"
-#include "tests/support/heap_trap.h"
+#include "tests/support/sanitized.h"
 
 namespace tribus::test::can_chain_test {
 namespace {
@@ -198,7 +198,7 @@ TEST_P(CanChainTest, a_clean_bus_loses_no_snapshot_but_the_two_of_the_proof) {
 }
 
 TEST_P(CanChainTest, allocates_nothing_after_start) {
-    if (!HeapTrap::works()) {
+    if (kSanitized) {
         GTEST_SKIP() << "a sanitizer has its own malloc";
     }
     for_all_seeds([](const CanChain& chain) {

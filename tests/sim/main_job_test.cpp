@@ -5,6 +5,7 @@
 
 #include "tests/sim/simulation.h"
 #include "tests/support/heap_trap.h"
+#include "tests/support/sanitized.h"
 
 namespace tribus::test::main_job_test {
 namespace {
@@ -148,14 +149,14 @@ TEST_F(MainJob, after_the_input_ends_it_says_frame_lost_within_the_timeout_then_
 }
 
 TEST_F(MainJob, allocates_nothing_after_start) {
-    if (!HeapTrap::works()) {
+    if (kSanitized) {
         GTEST_SKIP() << "a sanitizer has its own malloc";
     }
     for_all_seeds([](const Simulation& simulation) { EXPECT_EQ(simulation.allocations(), 0U); });
 }
 
 TEST(HeapTrapTest, sees_an_allocation) {
-    if (!HeapTrap::works()) {
+    if (kSanitized) {
         GTEST_SKIP() << "a sanitizer has its own malloc";
     }
     const HeapTrap trap;

@@ -4,18 +4,7 @@
 #include <cstddef>
 #include <cstdlib>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define TRIBUS_REPLACES_MALLOC 0
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define TRIBUS_REPLACES_MALLOC 0
-#endif
-#endif
-#ifndef TRIBUS_REPLACES_MALLOC
-#define TRIBUS_REPLACES_MALLOC 1
-#endif
-
-#if TRIBUS_REPLACES_MALLOC
+#ifndef TRIBUS_SANITIZED
 extern "C" {
 // Entry points of the C library that its header does not declare.
 void* __libc_malloc(std::size_t size);                           // NOLINT
@@ -46,7 +35,3 @@ int posix_memalign(void** block, std::size_t alignment, std::size_t size) {
 }
 }
 #endif
-
-bool tribus::test::every_allocation_is_seen() {
-    return TRIBUS_REPLACES_MALLOC != 0;
-}

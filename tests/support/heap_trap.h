@@ -5,12 +5,9 @@
 namespace tribus::test {
 
 /// Counts the allocations of the calling thread during the object's lifetime. One object at a time.
+/// It sees none where kSanitized is set (tests/support/sanitized.h).
 class HeapTrap {
   public:
-    /// Returns whether this build can watch the heap: with a sanitizer it cannot, which replaces
-    /// malloc.
-    static bool works();
-
     HeapTrap();
     HeapTrap(const HeapTrap&) = delete;
     HeapTrap& operator=(const HeapTrap&) = delete;
