@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 
 constexpr Instant kStart{1000s};
 
-constexpr MavlinkEncoder::Settings kOverrides{.message = MavlinkChannels::rc_channels_override};
+const MavlinkEncoder::Settings kOverrides{.message = MavlinkChannels::rc_channels_override};
 
 /// Whether the answers of an encoder that sent kSixteenPulses show an effect.
 bool shows_effect(const MavlinkEncoder::Settings& settings, const Bytes& answer) {
