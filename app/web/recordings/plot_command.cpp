@@ -47,7 +47,7 @@ bool set_limits() {
         limit.rlim_cur = limit.rlim_max;
         return ::setrlimit(resource, &limit) == 0;
     };
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifndef TRIBUS_SANITIZED
     if (!set(RLIMIT_DATA, kMostMemory)) {
         return false;
     }
