@@ -9,7 +9,6 @@
 #include "config/build/carry_over.h"
 #include "core/counted.h"
 #include "pipelines/realtime/clock.h"
-#include "pipelines/realtime/locked_memory.h"
 
 namespace tribus {
 namespace {
@@ -183,14 +182,14 @@ void Daemon::look(Instant now) {
     service_.look(*appliance_, now);
     appliance_->look_at_recorder(now);
     appliance_->look_at_epochs();
-    if (now >= drop_idle_code_at_) {
-        drop_idle_code();
+    if (now >= drop_idle_code_at_ && idle_code_.drop_some()) {
         drop_idle_code_at_ = kNever;
     }
 }
 
 void Daemon::drop_idle_code_after(Instant now) {
     drop_idle_code_at_ = now + std::chrono::seconds(1);
+    idle_code_ = {};
 }
 
 void Daemon::end() {

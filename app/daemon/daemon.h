@@ -14,6 +14,7 @@
 #include "app/log/state_log.h"
 #include "config/schema/schema.h"
 #include "core/time.h"
+#include "pipelines/realtime/locked_memory.h"
 
 namespace tribus {
 
@@ -132,6 +133,7 @@ class Daemon {
     bool hung_up_ = false;
     Instant next_hang_up_{};
     Instant drop_idle_code_at_ = kNever;
+    IdleCode idle_code_;
 };
 
 }  // namespace tribus

@@ -20,6 +20,9 @@
 #include <string_view>
 #include <thread>
 
+#include "core/time.h"
+#include "pipelines/realtime/clock.h"
+
 // Range of the data path's code and constants (app/data_path.ld). Null if linked without it.
 extern "C" {
 [[gnu::weak]] extern const char kDataPathCodeBegin[];
@@ -212,6 +215,8 @@ std::atomic<Locked> locked{Locked::nothing};
 /// pauses. 16 pages at a time made a sensor bus miss an answer on the slow board of the laboratory.
 constexpr std::uintptr_t kPagesAtATime = 4;
 constexpr std::chrono::milliseconds kPause{1};
+/// Where other programs want the processor too, each pause takes many times as long.
+constexpr Duration kMostAtOnce = std::chrono::milliseconds(50);
 
 /// Locked pages cannot be dropped.
 void drop_locked(MemoryRange range) {
@@ -243,18 +248,23 @@ int lock_memory() {
     return first.error();
 }
 
-void drop_idle_code() {
+bool IdleCode::drop_some() {
     if (kDataPathCodeBegin == nullptr || locked == Locked::nothing) {
-        return;
+        return true;
     }
     // The first and the last page may have a part of what runs.
     const MemoryRange code{(address_of(kRunningCodeEnd) / page_size() + 1) * page_size(),
                            address_of(kDataPathConstantsBegin) / page_size() * page_size()};
-    for (MemoryRange part = code; part.begin < code.end; part.begin = part.end) {
-        part.end = std::min(code.end, part.begin + kPagesAtATime * page_size());
+    dropped_to_ = std::max(dropped_to_, code.begin);
+    for (const Instant end = later(monotonic_now(), kMostAtOnce);
+         dropped_to_ < code.end && monotonic_now() < end;) {
+        const MemoryRange part{dropped_to_,
+                               std::min(code.end, dropped_to_ + kPagesAtATime * page_size())};
         drop_locked(part);
+        dropped_to_ = part.end;
         std::this_thread::sleep_for(kPause);
     }
+    return dropped_to_ >= code.end;
 }
 
 int lock_new_memory() {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 namespace tribus {
 
 /// Locks into memory what the data path may touch: the heap, stacks and data of the process, the
@@ -14,11 +16,17 @@ namespace tribus {
 /// number from the kernel; it locks the rest all the same.
 [[nodiscard]] int lock_memory();
 
-/// Drops code of the program that does not run while frames flow; each page comes back and stays
-/// when it is used again. Call it when something has run that seldom runs. Does nothing before
-/// `lock_memory`. Takes about 0.2 s, mostly in pauses, so that it delays no other thread. Any
-/// thread.
-void drop_idle_code();
+/// The code of the program that does not run while frames flow. Each page of it comes into memory
+/// when it is used, and stays. A new object drops all of it once. Thread-bound.
+class IdleCode {
+  public:
+    /// Drops the next pages, for about 50 ms, mostly in pauses, so that it delays no other thread.
+    /// Returns whether all are dropped; so they are before `lock_memory`.
+    bool drop_some();
+
+  private:
+    std::uintptr_t dropped_to_ = 0;
+};
 
 /// Locks what was allocated since `lock_memory`, if the limit kept that from being locked
 /// automatically. Any thread. Returns as `lock_memory` does.

@@ -212,7 +212,7 @@ tl::expected<DaemonMemory, std::string> daemon_memory(const ApplianceSettings& s
             return Refused(subject.error());
         }
         // The main thread too has run all that it runs while frames flow, and has dropped the rest.
-        constexpr Duration kSettling = std::chrono::seconds(2);
+        constexpr Duration kSettling = std::chrono::seconds(3);
         constexpr auto kRounds = static_cast<std::uint64_t>(kSettling / kFramePeriod);
         drive(*subject, {.rounds = kRounds});
         usage[i] = subject->usage().value_or(ProcessUsage{});
