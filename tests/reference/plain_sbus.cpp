@@ -171,7 +171,13 @@ bool PlainSbusDecoder::step_locked() {
     if (may_be_frame && buffer_.size() < kSbusFrameLength) {
         return false;
     }
-    if (may_be_frame && well_formed(0)) {
+    // Slots are a property of the receiver, so a footer that newly announces them needs proof.
+    const bool slots_begin = may_be_frame && well_formed(0) && slots_follow(buffer_[kFooterAt]) &&
+                             !slots_follow(latest_[kFooterAt]);
+    if (slots_begin && judge(0) == Verdict::undecided) {
+        return false;
+    }
+    if (may_be_frame && well_formed(0) && (!slots_begin || judge(0) == Verdict::yes)) {
         frame_ready_ = true;
     } else if (may_be_frame && only_damaged(0)) {
         skip(kSbusFrameLength);
@@ -312,12 +318,14 @@ std::optional<DecodedFrame> PlainSbusDecoder::next(std::span<const std::uint8_t>
 }
 
 /// A pause cuts off the bytes in the buffer. A frame that ends at the pause is proved only if it is
-/// all that ever came, or if no frame began where one was expected.
+/// all that ever came, if it stands in its place, or if no frame began where one was expected.
 std::optional<DecodedFrame> PlainSbusDecoder::silence() {
     const bool first_of_all =
         buffer_.first_position() == start_position_ && buffer_.size() == kSbusFrameLength;
-    if (state_ != State::locked && (first_of_all || stray_bytes_) &&
-        buffer_.size() >= kSbusFrameLength && well_formed(buffer_.size() - kSbusFrameLength)) {
+    const bool in_place = state_ == State::locked && buffer_.size() == kSbusFrameLength;
+    const bool behind_noise = state_ != State::locked && (first_of_all || stray_bytes_) &&
+                              buffer_.size() >= kSbusFrameLength;
+    if ((in_place || behind_noise) && well_formed(buffer_.size() - kSbusFrameLength)) {
         lock_onto(buffer_.size() - kSbusFrameLength);
         return take_frame(Instant{});
     }

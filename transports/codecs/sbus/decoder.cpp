@@ -25,6 +25,12 @@ bool SbusDecoder::only_damaged(std::size_t start) const {
            fits(kFooterAt, footer_allowed(buffer_[start + kFooterAt]));
 }
 
+/// Slots are a property of the receiver: a footer that announces them where none came before is
+/// rather a byte of the payload, in the place of the footer since bytes came in between.
+inline bool SbusDecoder::footer_expected(std::uint8_t footer) const {
+    return !slots_follow(footer) || (footer_allowed(footer) && slots_follow(latest()[kFooterAt]));
+}
+
 std::size_t SbusDecoder::after_slots(std::size_t start) const {
     std::size_t position = start;
     while (position < buffer_.size() && position < start + kSlotsLength &&
@@ -98,7 +104,14 @@ inline SbusDecoder::Step SbusDecoder::step_locked() {
         return Step::wait;
     }
     if (may_be_frame && well_formed(0)) {
-        return Step::frame;
+        const Judgement here =
+            footer_expected(buffer_[kFooterAt]) ? Judgement{Verdict::yes} : judge(0);
+        if (here.verdict == Verdict::undecided) {
+            return buffer_.see(here.wanted) ? Step::again : Step::wait;
+        }
+        if (here.verdict == Verdict::yes) {
+            return Step::frame;
+        }
     }
     if (may_be_frame && only_damaged(0)) {
         skip(kSbusFrameLength);
@@ -260,7 +273,7 @@ SbusDecoder::Taken SbusDecoder::decode(std::span<const std::uint8_t> bytes, Inst
     }
     const Wire wire(buffer_.kept(), kSbusFrameLength);
     if (buffer_.size() == kFooterAt && wire[0] == kHeader && flags_allowed(wire[kFlagsAt]) &&
-        footer_allowed(byte)) {
+        !slots_follow(byte)) {
         buffer_.keep_one(byte, 0);
         read_frame(wire, received, frame);
         buffer_.pass_kept();
@@ -346,7 +359,7 @@ inline bool SbusDecoder::decode_locked(std::span<const std::uint8_t>& bytes, Ins
         return false;
     }
     const Wire wire(buffer_.whole(kSbusFrameLength, bytes), kSbusFrameLength);
-    if (!well_formed_wire(wire)) {
+    if (!well_formed_wire(wire) || !footer_expected(wire[kFooterAt])) {
         return decode_in_steps(bytes, received, frame);
     }
     read_frame(wire, received, frame);

@@ -17,8 +17,10 @@ bool SbusDecoder::silence(DecodedFrame& frame) {
     const std::size_t size = buffer_.size();
     const bool alone =
         stray_bytes_ || (buffer_.first_position() == start_position_ && size == kSbusFrameLength);
-    const bool whole = state_ != State::locked && alone && size >= kSbusFrameLength &&
-                       last_frame_at(size - kSbusFrameLength);
+    // In its place, and what it announces may come behind the pause.
+    const bool in_place = state_ == State::locked && size == kSbusFrameLength && last_frame_at(0);
+    const bool whole = in_place || (state_ != State::locked && alone && size >= kSbusFrameLength &&
+                                    last_frame_at(size - kSbusFrameLength));
     if (whole) {
         lock_onto(size - kSbusFrameLength);
         take_front(Instant{}, frame);

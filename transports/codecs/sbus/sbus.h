@@ -40,7 +40,8 @@ void emit_sbus(const SbusFrame& frame, std::span<std::uint8_t, kSbusFrameLength>
 /// Finds frames by content and by pauses. SBUS has no checksum: a frame has the header, a zero high
 /// nibble in its flags and a footer whose low nibble is 0, 4 or 8. 0x0F is common inside the
 /// payload, so an unlocked decoder requires a second frame after it as proof, with or without SBUS2
-/// slots in between. A locked decoder accepts a frame with its last byte. Thread-bound.
+/// slots in between. A locked decoder accepts a frame with its last byte, but wants the second
+/// frame or a pause where a footer announces slots and the frame before had none. Thread-bound.
 ///
 /// A pause locks the decoder: the next byte is expected to begin a frame. So bytes between a frame
 /// and the next pause do no harm, and bytes after a pause never complete bytes before it.
@@ -106,6 +107,7 @@ class SbusDecoder final : public ByteDecoder {
                          DecodedFrame& frame);
     bool well_formed(std::size_t start) const;
     bool only_damaged(std::size_t start) const;
+    bool footer_expected(std::uint8_t footer) const;
     bool last_frame_at(std::size_t start) const;
     std::size_t after_slots(std::size_t start) const;
     Judgement judge(std::size_t start) const;

@@ -108,6 +108,25 @@ TEST(SbusPauses, TheFirstFrameOfAllIsProvedByThePauseBehindIt) {
     EXPECT_FALSE(decoder.silence(frame));
 }
 
+TEST(SbusPauses, SoIsTheFirstFrameWithAFooterThatAnnouncesSlots) {
+    Bytes with_slots = hundreds();
+    with_slots.back() = 0x04;
+    SbusDecoder decoder;
+    EXPECT_EQ(with_pauses(decoder, {hundreds(), with_slots, {}}).size(), 2U);
+    EXPECT_EQ(count_of(decoder, "framing"), 0U);
+}
+
+TEST(SbusPauses, ButNotIfMoreStandsBetween) {
+    for (const std::string_view more : {"04 00", "0f 64", "0f 64 40 06"}) {
+        Bytes with_more = hundreds();
+        with_more.back() = 0x04;
+        test::append(with_more, from_hex(more));
+        SbusDecoder decoder;
+        EXPECT_EQ(with_pauses(decoder, {hundreds(), with_more, {}}).size(), 1U) << more;
+        EXPECT_EQ(count_of(decoder, "framing"), 1U) << more;
+    }
+}
+
 TEST(SbusPauses, SoIsAFrameBehindNoiseThatBeganLikeNone) {
     for (const std::string_view noise : {"10", "00 0f", "ff 0f 00 00", "03 c0 2e"}) {
         Bytes piece = from_hex(noise);

@@ -260,6 +260,43 @@ TEST(SbusDecoder, KnowsNoSlotsBehindPlainSbus) {
     EXPECT_EQ(count_of(decoder, "framing"), 1U);
 }
 
+/// Frame lost is set. Two bytes more, and its last two of payload are flags without it and a footer
+/// that announces slots.
+Bytes frame_lost_with_flags_and_footer_in_its_payload() {
+    SbusPayload payload = payload_of("e0 03 1f f8 c0 07 3e f0 81 0f 7c");
+    payload[20] = 0x03;
+    payload[21] = 0x28;
+    return sbus_frame(payload, 0x04, 0x00);
+}
+
+TEST(SbusDecoder, TwoBytesTooManyMakeNoFrameWithSlotsOfOneWithout) {
+    const Bytes frame = frame_lost_with_flags_and_footer_in_its_payload();
+    for (std::ptrdiff_t place = 1; place < 20; ++place) {
+        Bytes longer = frame;
+        longer.insert(longer.begin() + place, {0x00, 0x55});
+        Bytes bytes;
+        for (const Bytes& next : {frame, frame, longer, frame, longer, frame, frame}) {
+            append(bytes, next);
+        }
+        SbusDecoder decoder;
+        for (const DecodedFrame& decoded : feed(decoder, bytes)) {
+            ASSERT_TRUE(decoded.channels.frame_lost) << place;
+        }
+    }
+}
+
+TEST(SbusDecoder, TakesSlotsThatBeginLater) {
+    Bytes bytes = repeated(kAll1024, 3);
+    for (int time = 0; time < 3; ++time) {
+        append(bytes, from_hex(kFasstest14));
+        append(bytes, slot_triple(0, 0xC0, 0x2E));
+    }
+    SbusDecoder decoder;
+    EXPECT_EQ(feed(decoder, bytes).size(), 6U);
+    EXPECT_EQ(decoder.skipped_bytes(), 0U);
+    EXPECT_EQ(count_of(decoder, "framing"), 0U);
+}
+
 TEST(SbusDecoder, CountsADamagedByteAndNothingElse) {
     SbusDecoder decoder;
     const test::Fault fault{test::FaultKind::damaged, 2 * kSbusFrameLength + 7, 0};
