@@ -325,8 +325,9 @@ TEST_F(Recorded, AReplayIsRecordedAsItWas) {
         return bytes;
     };
     EXPECT_EQ(all_bytes(lines), all_bytes(expected)) << replay.errors() << record.errors();
-    // A stall of the machine joins two bursts. Two such stalls are allowed.
-    ASSERT_GE(lines.size(), expected.size() - 2) << replay.errors() << record.errors();
+    // A stall of the machine joins two bursts, and a busy one has several. A `record` that waits
+    // for more joins most.
+    ASSERT_GE(lines.size(), expected.size() * 3 / 4) << replay.errors() << record.errors();
     std::vector<std::int64_t> gaps;
     for (std::size_t i = 0; i < lines.size(); ++i) {
         gaps.push_back(i == 0 ? 14'000 : lines[i].at_us - lines[i - 1].at_us);
