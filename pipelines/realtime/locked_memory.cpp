@@ -215,7 +215,7 @@ std::atomic<Locked> locked{Locked::nothing};
 /// pauses. 16 pages at a time made a sensor bus miss an answer on the slow board of the laboratory.
 constexpr std::uintptr_t kPagesAtATime = 4;
 constexpr std::chrono::milliseconds kPause{1};
-/// Where other programs want the processor too, each pause takes many times as long.
+/// Time of one call: under load a pause takes many times as long as `kPause`.
 constexpr Duration kMostAtOnce = std::chrono::milliseconds(50);
 
 /// Locked pages cannot be dropped.

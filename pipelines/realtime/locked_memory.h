@@ -21,7 +21,7 @@ namespace tribus {
 class IdleCode {
   public:
     /// Drops the next pages, for about 50 ms, mostly in pauses, so that it delays no other thread.
-    /// Returns whether all are dropped; so they are before `lock_memory`.
+    /// Returns true when all are dropped, and before `lock_memory`, when it does nothing.
     bool drop_some();
 
   private:

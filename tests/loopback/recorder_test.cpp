@@ -337,10 +337,10 @@ TEST_F(Recorded, AReplayIsRecordedAsItWas) {
     EXPECT_FALSE(fs::exists(fs::symlink_status(link)));
 }
 
-/// A mistyped name must not destroy somebody else's link.
 /// A replay of it still runs when the test ends it.
 constexpr std::string_view kForAMinute = "# t_us  bytes\n0 20 40 dc 05\n60000000 20 40 dc 05\n";
 
+/// A mistyped name must not destroy somebody else's link.
 TEST_F(Recorded, AReplayLeavesAloneWhatItDidNotMake) {
     const fs::path sent = folder() / "sent.txt";
     std::ofstream(sent) << kForAMinute;

@@ -171,7 +171,7 @@ bool PlainSbusDecoder::step_locked() {
     if (may_be_frame && buffer_.size() < kSbusFrameLength) {
         return false;
     }
-    // Slots are a property of the receiver, so a footer that newly announces them needs proof.
+    // A receiver sends slots always or never, so a footer that newly announces them needs proof.
     const bool slots_begin = may_be_frame && well_formed(0) && slots_follow(buffer_[kFooterAt]) &&
                              !slots_follow(latest_[kFooterAt]);
     if (slots_begin && judge(0) == Verdict::undecided) {

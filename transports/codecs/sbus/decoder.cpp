@@ -25,8 +25,8 @@ bool SbusDecoder::only_damaged(std::size_t start) const {
            fits(kFooterAt, footer_allowed(buffer_[start + kFooterAt]));
 }
 
-/// Slots are a property of the receiver: a footer that announces them where none came before is
-/// rather a byte of the payload, in the place of the footer since bytes came in between.
+/// A receiver sends slots always or never. If the frame before had none, a footer that announces
+/// them may be a byte of the payload that added bytes moved there.
 inline bool SbusDecoder::footer_expected(std::uint8_t footer) const {
     return !slots_follow(footer) || (footer_allowed(footer) && slots_follow(latest()[kFooterAt]));
 }

@@ -17,7 +17,7 @@ bool SbusDecoder::silence(DecodedFrame& frame) {
     const std::size_t size = buffer_.size();
     const bool alone =
         stray_bytes_ || (buffer_.first_position() == start_position_ && size == kSbusFrameLength);
-    // In its place, and what it announces may come behind the pause.
+    // A frame that waits for its proof; its slots may come after the pause.
     const bool in_place = state_ == State::locked && size == kSbusFrameLength && last_frame_at(0);
     const bool whole = in_place || (state_ != State::locked && alone && size >= kSbusFrameLength &&
                                     last_frame_at(size - kSbusFrameLength));

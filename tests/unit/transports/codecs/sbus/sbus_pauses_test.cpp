@@ -108,7 +108,16 @@ TEST(SbusPauses, TheFirstFrameOfAllIsProvedByThePauseBehindIt) {
     EXPECT_FALSE(decoder.silence(frame));
 }
 
-TEST(SbusPauses, SoIsTheFirstFrameWithAFooterThatAnnouncesSlots) {
+TEST(SbusPauses, SoIsAFrameBehindNoiseThatBeganLikeNone) {
+    for (const std::string_view noise : {"10", "00 0f", "ff 0f 00 00", "03 c0 2e"}) {
+        Bytes piece = from_hex(noise);
+        test::append(piece, hundreds());
+        SbusDecoder decoder;
+        EXPECT_EQ(with_pauses(decoder, {{}, piece, {}}).size(), 1U) << noise;
+    }
+}
+
+TEST(SbusPauses, ThePauseBehindAFrameProvesThatSlotsBegin) {
     Bytes with_slots = hundreds();
     with_slots.back() = 0x04;
     SbusDecoder decoder;
@@ -116,7 +125,7 @@ TEST(SbusPauses, SoIsTheFirstFrameWithAFooterThatAnnouncesSlots) {
     EXPECT_EQ(count_of(decoder, "framing"), 0U);
 }
 
-TEST(SbusPauses, ButNotIfMoreStandsBetween) {
+TEST(SbusPauses, APauseBehindMoreThanAFrameDoesNotProveThatSlotsBegin) {
     for (const std::string_view more : {"04 00", "0f 64", "0f 64 40 06"}) {
         Bytes with_more = hundreds();
         with_more.back() = 0x04;
@@ -124,15 +133,6 @@ TEST(SbusPauses, ButNotIfMoreStandsBetween) {
         SbusDecoder decoder;
         EXPECT_EQ(with_pauses(decoder, {hundreds(), with_more, {}}).size(), 1U) << more;
         EXPECT_EQ(count_of(decoder, "framing"), 1U) << more;
-    }
-}
-
-TEST(SbusPauses, SoIsAFrameBehindNoiseThatBeganLikeNone) {
-    for (const std::string_view noise : {"10", "00 0f", "ff 0f 00 00", "03 c0 2e"}) {
-        Bytes piece = from_hex(noise);
-        test::append(piece, hundreds());
-        SbusDecoder decoder;
-        EXPECT_EQ(with_pauses(decoder, {{}, piece, {}}).size(), 1U) << noise;
     }
 }
 

@@ -260,8 +260,8 @@ TEST(SbusDecoder, KnowsNoSlotsBehindPlainSbus) {
     EXPECT_EQ(count_of(decoder, "framing"), 1U);
 }
 
-/// Frame lost is set. Two bytes more, and its last two of payload are flags without it and a footer
-/// that announces slots.
+/// Two added bytes move its last payload bytes to the place of flags, without frame lost, and of a
+/// footer that announces slots.
 Bytes frame_lost_with_flags_and_footer_in_its_payload() {
     SbusPayload payload = payload_of("e0 03 1f f8 c0 07 3e f0 81 0f 7c");
     payload[20] = 0x03;
