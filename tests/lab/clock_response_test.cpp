@@ -1,6 +1,8 @@
 #include <chrono>
+#include <string>
 
 #include <gtest/gtest.h>
+#include <tl/expected.hpp>
 
 #include "app/bench/distribution.h"
 #include "tests/bench/response_times.h"
@@ -10,25 +12,29 @@
 namespace tribus::test::clock_response_test {
 namespace {
 
-BoundSettings fifteen_seconds() {
-    BoundSettings settings;
-    settings.program = TRIBUS_PROGRAM;
-    settings.length = std::chrono::seconds(15);
-    return settings;
-}
+/// Measures once; every test judges the same 15 s.
+class LabResponse : public testing::Test {
+  protected:
+    static void SetUpTestSuite() {
+        BoundSettings settings;
+        settings.program = TRIBUS_PROGRAM;
+        settings.length = std::chrono::seconds(15);
+        times = response_times(settings);
+    }
 
-TEST(LabResponse, LeavesWithinTheProvenWindowInNineHundredNinetyNineOfAThousandSlots) {
-    const auto times = response_times(fifteen_seconds());
-    ASSERT_TRUE(times) << times.error();
+    void SetUp() override { ASSERT_TRUE(times) << times.error(); }
+
+    static inline tl::expected<ResponseTimes, std::string> times{tl::unexpect, "not measured"};
+};
+
+TEST_F(LabResponse, LeavesWithinTheProvenWindowInNineHundredNinetyNineOfAThousandSlots) {
     for (const Responses* responses : {&times->at_once, &times->by_default}) {
         EXPECT_LT(responses->times.percentile(99.9), kResponseWindow);
         EXPECT_EQ(responses->missed, 0U);
     }
 }
 
-TEST(LabResponse, TakesLittleLongerThanAResponderThatOnlyReadsAndWrites) {
-    const auto times = response_times(fifteen_seconds());
-    ASSERT_TRUE(times) << times.error();
+TEST_F(LabResponse, TakesLittleLongerThanAResponderThatOnlyReadsAndWrites) {
     const auto bare = times->bare.times.percentile(50);
     EXPECT_LT(bench::ratio_of(times->at_once.times.percentile(50), bare), 1.25);
     EXPECT_LT(bench::ratio_of(times->by_default.times.percentile(50) - kDefaultReplyAfter, bare),
