@@ -21,7 +21,7 @@ endif()
 # Suites that count what a running program does: other work adds wake-ups. The longest runs beside the
 # tests of the others, two of them at a time.
 set(longest_counting WebCounts)
-set(counting "${longest_counting}|Frames/DaemonCounts|DaemonSystemCalls")
+set(counting "${longest_counting}|Frames/DaemonCounts|DaemonSystemCalls|DaemonWithPages")
 set(counted 0)
 
 # Those that compute, and those that the machine must not disturb. The second ones begin when the
@@ -92,6 +92,9 @@ function(add_suites name program seconds long)
                 math(EXPR counted "${counted} + 1")
             endif()
             set_tests_properties("${name}.${test}" PROPERTIES COST 50 RESOURCE_LOCK "counting ${lock}")
+            if("${test}" MATCHES "${long}")
+                set_tests_properties("${name}.${test}" PROPERTIES LABELS long)
+            endif()
             list(APPEND quiet "${name}.${test}")
         endif()
     endforeach()
