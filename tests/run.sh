@@ -39,7 +39,10 @@ run_tests() {
 first_tier() {
     prepare_and_build all
     step 3 "Testing (2 minutes)"
-    run_tests --label-exclude 'lab|long' "$@"
+    passed=0
+    run_tests --label-exclude 'lab|long' "$@" || passed=$?
+    build/tests/recordings_not_read
+    return $passed
 }
 
 # laboratory TIER TARGETS CTEST_ARGUMENT...: guests reserve their processors themselves.

@@ -4,8 +4,8 @@
 
 # Suites that compute for a second and more, the longest first. They start first: at the end
 # processors would wait for them.
-set(costly Frames/CodecCounts Usual/LineJudgeAtAPort NeverStale Engine/ProductCounts Formats/CanChainTest
-    SbusBesidePlain Tshark Sigrok InitText ParityMarksTest LoopArrivals EngineHandset LineJudge Tidy
+set(costly Frames/CodecCounts Usual/RecordedLineAtAPort Usual/LineJudgeAtAPort NeverStale Engine/ProductCounts Formats/CanChainTest
+    SbusBesidePlain Tshark Sigrok InitText ParityMarksTest LoopArrivals EngineHandset Both/RecordedLine LineJudge Tidy
     IbusBesidePlain OpenEpoch Seeds/Canmatrix)
 # Suites that wait for real time. All others compute: they leave the processors to whoever waits, and
 # some more of them than there are processors run at a time, so that tests that wait run beside them.

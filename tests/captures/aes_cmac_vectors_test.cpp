@@ -1,14 +1,13 @@
 #include <algorithm>
 #include <cstddef>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/captures.h"
 #include "tests/support/streams.h"
+#include "tests/support/vectors.h"
 #include "transports/codecs/authenticated/link_keys.h"
 
 /// The examples of RFC 4493 (further/aes_cmac.json).
@@ -18,10 +17,8 @@ namespace {
 using nlohmann::json;
 
 TEST(AesCmacVectors, HaveTheMacOfTheStandardHoweverTheyAreCutInTwo) {
-    std::ifstream file(test::capture("further/aes_cmac.json"));
-    ASSERT_TRUE(file) << test::kNoCaptures;
     std::size_t vectors = 0;
-    for (const json& vector : json::parse(file)) {
+    for (const json& vector : test::vectors("aes_cmac.json")) {
         if (vector.at("protocol") != "aes_cmac") {
             continue;
         }

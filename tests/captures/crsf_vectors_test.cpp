@@ -1,14 +1,13 @@
 #include <cmath>
 #include <cstddef>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/captures.h"
 #include "tests/support/streams.h"
+#include "tests/support/vectors.h"
 #include "transports/codecs/crsf/crsf.h"
 
 /// Frames of receivers, of the unit tests of other programs, and wrong ones (further/crsf.json).
@@ -17,19 +16,13 @@ namespace {
 
 using nlohmann::json;
 
-std::vector<json> crsf_vectors() {
-    std::ifstream file(test::capture("further/crsf.json"));
-    EXPECT_TRUE(file) << test::kNoCaptures;
-    return file ? json::parse(file).get<std::vector<json>>() : std::vector<json>{};
-}
-
 std::vector<DecodedFrame> frames_of(CrsfDecoder& decoder, const json& vector) {
     return test::all_frames(decoder, test::from_hex(vector.at("bytes_hex").get<std::string>()));
 }
 
 TEST(CrsfVectors, ChannelsAreThoseOfTheSource) {
     std::size_t seen = 0;
-    for (const json& vector : crsf_vectors()) {
+    for (const json& vector : test::vectors("crsf.json")) {
         if (vector.value("type", "") != "0x16" || !vector.contains("channels_us")) {
             continue;
         }
@@ -47,7 +40,7 @@ TEST(CrsfVectors, ChannelsAreThoseOfTheSource) {
 }
 
 TEST(CrsfVectors, OtherTypesAreFramesWithoutARejection) {
-    for (const json& vector : crsf_vectors()) {
+    for (const json& vector : test::vectors("crsf.json")) {
         const auto kind = vector.at("kind").get<std::string>();
         if (kind.rfind("negative", 0) == 0) {
             continue;
@@ -61,7 +54,7 @@ TEST(CrsfVectors, OtherTypesAreFramesWithoutARejection) {
 
 TEST(CrsfVectors, WrongFramesAreRefused) {
     std::size_t seen = 0;
-    for (const json& vector : crsf_vectors()) {
+    for (const json& vector : test::vectors("crsf.json")) {
         if (vector.at("kind").get<std::string>().rfind("negative", 0) != 0) {
             continue;
         }

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
 
 #include <string>
 #include <string_view>
@@ -15,8 +13,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/captures.h"
 #include "tests/support/streams.h"
+#include "tests/support/vectors.h"
 #include "transports/codecs/dbc/file.h"
 #include "transports/codecs/dbc/signal.h"
 
@@ -30,11 +28,7 @@ using test::from_hex;
 
 class DbcVectors : public testing::Test {
   protected:
-    void SetUp() override {
-        std::ifstream file(test::capture("dbc_vectors.json"));
-        ASSERT_TRUE(file) << test::kNoCaptures;
-        vectors_ = json::parse(file);
-    }
+    void SetUp() override { vectors_ = test::vectors("dbc_vectors.json"); }
 
     DbcFile parsed(const char* name) const {
         auto file = parse_dbc(vectors_.at(name).get<std::string>());

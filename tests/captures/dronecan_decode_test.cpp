@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <optional>
 #include <string>
@@ -16,8 +14,8 @@
 
 #include "app/cli/exit_status.h"
 #include "app/wire/decode_dronecan.h"
-#include "tests/support/captures.h"
 #include "tests/support/outcome.h"
+#include "tests/support/vectors.h"
 
 /// Output of `decode` for the transfers and receive sequences that three independent
 /// implementations agree on (dronecan_vectors.json).
@@ -131,11 +129,7 @@ ordered_json node(const ordered_json& id) {
 
 class DroneCanDecodeVectors : public testing::Test {
   protected:
-    void SetUp() override {
-        std::ifstream file(test::capture("dronecan_vectors.json"));
-        ASSERT_TRUE(file) << test::kNoCaptures;
-        vectors_ = ordered_json::parse(file);
-    }
+    void SetUp() override { vectors_ = test::vectors<ordered_json>("dronecan_vectors.json"); }
 
     ordered_json vectors_;
 };

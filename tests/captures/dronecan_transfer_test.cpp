@@ -5,16 +5,14 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
-#include "tests/support/captures.h"
 #include "tests/support/streams.h"
+#include "tests/support/vectors.h"
 #include "transports/codecs/dronecan/transfer.h"
 
 /// Transfers and receive sequences that three independent codecs agree on (README of the
@@ -27,11 +25,7 @@ using test::Bytes;
 
 class DronecanVectors : public testing::Test {
   protected:
-    void SetUp() override {
-        std::ifstream file(test::capture("dronecan_vectors.json"));
-        ASSERT_TRUE(file) << test::kNoCaptures;
-        vectors_ = json::parse(file);
-    }
+    void SetUp() override { vectors_ = test::vectors("dronecan_vectors.json"); }
 
     json vectors_;
 };

@@ -1,16 +1,14 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
 #include <set>
 #include <string>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/captures.h"
 #include "tests/support/streams.h"
+#include "tests/support/vectors.h"
 #include "transports/codecs/dronecan/payload.h"
 #include "transports/codecs/dronecan/types.h"
 
@@ -98,11 +96,7 @@ TransferKind kind_of(const json& transfer) {
 
 class DroneCanTypeVectors : public testing::Test {
   protected:
-    void SetUp() override {
-        std::ifstream file(test::capture("dronecan_vectors.json"));
-        ASSERT_TRUE(file) << test::kNoCaptures;
-        vectors_ = json::parse(file);
-    }
+    void SetUp() override { vectors_ = test::vectors("dronecan_vectors.json"); }
 
     template <class T>
     void check() {

@@ -1,6 +1,5 @@
 #include <chrono>
 #include <cstddef>
-#include <fstream>
 #include <optional>
 #include <span>
 #include <string>
@@ -9,8 +8,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/captures.h"
 #include "tests/support/streams.h"
+#include "tests/support/vectors.h"
 #include "transports/codecs/dsm/dsm.h"
 
 /// Frames of satellite receivers, mostly of ArduPilot's tests (further/dsm.json).
@@ -18,12 +17,6 @@ namespace tribus::dsm_vectors_test {
 namespace {
 
 using nlohmann::json;
-
-std::vector<json> dsm_vectors() {
-    std::ifstream file(test::capture("further/dsm.json"));
-    EXPECT_TRUE(file) << test::kNoCaptures;
-    return file ? json::parse(file).get<std::vector<json>>() : std::vector<json>{};
-}
 
 /// The frames of a vector, with a pause before each, until they count; the last that does.
 std::optional<ChannelFrame> heard(const json& vector, DsmScale scale) {
@@ -44,7 +37,7 @@ std::optional<ChannelFrame> heard(const json& vector, DsmScale scale) {
 
 TEST(DsmVectors, ChannelsAreThoseOfTheSource) {
     std::size_t seen = 0;
-    for (const json& vector : dsm_vectors()) {
+    for (const json& vector : test::vectors("dsm.json")) {
         const bool one_phase_of_two = vector["name"] == "px4_capture_1";
         const auto spektrum = heard(vector, DsmScale::spektrum);
         const auto betaflight = heard(vector, DsmScale::betaflight);
@@ -75,7 +68,7 @@ TEST(DsmVectors, ChannelsAreThoseOfTheSource) {
 }
 
 TEST(DsmVectors, AFrameOfOnePhaseAloneHasItsNumbersAndDoesNotCount) {
-    for (const json& vector : dsm_vectors()) {
+    for (const json& vector : test::vectors("dsm.json")) {
         if (vector["name"] != "px4_capture_1") {
             continue;
         }

@@ -1,13 +1,12 @@
 #include <cstddef>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/captures.h"
 #include "tests/support/streams.h"
+#include "tests/support/vectors.h"
 #include "transports/codecs/exbus/exbus.h"
 
 /// The examples of Jeti's text (further/jeti_exbus.json).
@@ -16,16 +15,10 @@ namespace {
 
 using nlohmann::json;
 
-std::vector<json> exbus_vectors() {
-    std::ifstream file(test::capture("further/jeti_exbus.json"));
-    EXPECT_TRUE(file) << test::kNoCaptures;
-    return file ? json::parse(file).get<std::vector<json>>() : std::vector<json>{};
-}
-
 TEST(ExBusVectors, AreFramesAndChannelsAreThoseOfTheText) {
     std::size_t with_channels = 0;
     std::size_t without = 0;
-    for (const json& vector : exbus_vectors()) {
+    for (const json& vector : test::vectors("jeti_exbus.json")) {
         ExBusDecoder decoder;
         const auto frames =
             test::feed(decoder, test::from_hex(vector.at("bytes_hex").get<std::string>()));

@@ -1,6 +1,5 @@
 #include <cstddef>
 #include <cstdint>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,8 +7,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/captures.h"
 #include "tests/support/streams.h"
+#include "tests/support/vectors.h"
 #include "transports/codecs/fport/fport.h"
 
 /// Frames of the tests of ArduPilot (further/fport.json).
@@ -17,12 +16,6 @@ namespace tribus::fport_vectors_test {
 namespace {
 
 using nlohmann::json;
-
-std::vector<json> fport_vectors() {
-    std::ifstream file(test::capture("further/fport.json"));
-    EXPECT_TRUE(file) << test::kNoCaptures;
-    return file ? json::parse(file).get<std::vector<json>>() : std::vector<json>{};
-}
 
 std::unique_ptr<ByteDecoder> decoder_of(const json& vector, const SbusScale& scale) {
     if (vector.at("protocol") == "fport") {
@@ -33,7 +26,7 @@ std::unique_ptr<ByteDecoder> decoder_of(const json& vector, const SbusScale& sca
 
 TEST(FportVectors, AreReadInRawValuesAndMicroseconds) {
     std::size_t seen = 0;
-    for (const json& vector : fport_vectors()) {
+    for (const json& vector : test::vectors("fport.json")) {
         ++seen;
         const auto decoder = decoder_of(vector, *SbusScale::named("betaflight"));
         const auto frames =
@@ -63,7 +56,7 @@ TEST(FportVectors, AreReadInRawValuesAndMicroseconds) {
 }
 
 TEST(FportVectors, WithTheScaleOfArduPilotGiveItsMicroseconds) {
-    for (const json& vector : fport_vectors()) {
+    for (const json& vector : test::vectors("fport.json")) {
         const bool eighteen = vector.contains("channels_us_ardupilot_first18");
         const auto expected =
             vector.at(eighteen ? "channels_us_ardupilot_first18" : "channels_us_ardupilot")

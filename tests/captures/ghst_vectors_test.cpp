@@ -1,13 +1,12 @@
 #include <cstddef>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/captures.h"
 #include "tests/support/streams.h"
+#include "tests/support/vectors.h"
 #include "transports/codecs/ghst/ghst.h"
 
 /// Frames of the unit tests of other programs, computed ones, and wrong ones (further/ghst.json).
@@ -15,12 +14,6 @@ namespace tribus::ghst_vectors_test {
 namespace {
 
 using nlohmann::json;
-
-std::vector<json> ghst_vectors() {
-    std::ifstream file(test::capture("further/ghst.json"));
-    EXPECT_TRUE(file) << test::kNoCaptures;
-    return file ? json::parse(file).get<std::vector<json>>() : std::vector<json>{};
-}
 
 bool is_wrong(const json& vector) {
     return vector.at("kind").get<std::string>().rfind("negative", 0) == 0;
@@ -32,7 +25,7 @@ std::vector<DecodedFrame> frames_of(GhstDecoder& decoder, const json& vector) {
 
 TEST(GhstVectors, ChannelsAndRawValuesAreThoseOfTheSource) {
     std::size_t seen = 0;
-    for (const json& vector : ghst_vectors()) {
+    for (const json& vector : test::vectors("ghst.json")) {
         if (is_wrong(vector)) {
             continue;
         }
@@ -56,7 +49,7 @@ TEST(GhstVectors, ChannelsAndRawValuesAreThoseOfTheSource) {
 
 TEST(GhstVectors, StatisticsAreThoseOfTheSource) {
     std::size_t seen = 0;
-    for (const json& vector : ghst_vectors()) {
+    for (const json& vector : test::vectors("ghst.json")) {
         if (!vector.contains("fields")) {
             continue;
         }
@@ -77,7 +70,7 @@ TEST(GhstVectors, StatisticsAreThoseOfTheSource) {
 
 TEST(GhstVectors, WrongFramesAreRefused) {
     std::size_t seen = 0;
-    for (const json& vector : ghst_vectors()) {
+    for (const json& vector : test::vectors("ghst.json")) {
         if (is_wrong(vector)) {
             ++seen;
             GhstDecoder decoder;

@@ -1,6 +1,5 @@
 #include <cstddef>
 #include <cstdint>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -8,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/reference/plain_ibus2.h"
-#include "tests/support/captures.h"
 #include "tests/support/streams.h"
+#include "tests/support/vectors.h"
 #include "transports/codecs/ibus2/ibus2.h"
 
 /// Frames of a FTr8B (further/ibus2.json). It has no key; the one here is what the captures show.
@@ -18,15 +17,9 @@ namespace {
 
 using nlohmann::json;
 
-std::vector<json> ibus2_vectors() {
-    std::ifstream file(test::capture("further/ibus2.json"));
-    EXPECT_TRUE(file) << test::kNoCaptures;
-    return file ? json::parse(file).get<std::vector<json>>() : std::vector<json>{};
-}
-
 TEST(Ibus2Vectors, ChannelsAreThoseOfTheSource) {
     std::size_t seen = 0;
-    for (const json& vector : ibus2_vectors()) {
+    for (const json& vector : test::vectors("ibus2.json")) {
         if (!vector.contains("channels_us")) {
             continue;
         }
@@ -51,7 +44,7 @@ TEST(Ibus2Vectors, ChannelsAreThoseOfTheSource) {
 
 TEST(Ibus2Vectors, OtherFramesArePassedOverWithoutARejection) {
     std::size_t seen = 0;
-    for (const json& vector : ibus2_vectors()) {
+    for (const json& vector : test::vectors("ibus2.json")) {
         if (vector.contains("channels_us")) {
             continue;
         }

@@ -4,8 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
 #include <iomanip>
 #include <sstream>
 #include <string>
@@ -15,8 +13,8 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/can_snapshots.h"
-#include "tests/support/captures.h"
 #include "tests/support/streams.h"
+#include "tests/support/vectors.h"
 #include "transports/codecs/e2e.h"
 #include "transports/codecs/native_can/channels.h"
 
@@ -32,11 +30,8 @@ using test::Bytes;
 class NativeVectors : public testing::Test {
   protected:
     void SetUp() override {
-        for (const std::string_view name : {"dbc_vectors.json", "e2e_vectors.json"}) {
-            std::ifstream file(test::capture(name));
-            ASSERT_TRUE(file) << test::kNoCaptures;
-            (name == "e2e_vectors.json" ? e2e_ : dbc_) = json::parse(file);
-        }
+        dbc_ = test::vectors("dbc_vectors.json");
+        e2e_ = test::vectors("e2e_vectors.json");
     }
 
     json dbc_;

@@ -1,13 +1,12 @@
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/captures.h"
 #include "tests/support/channel_bytes.h"
 #include "tests/support/edges.h"
+#include "tests/support/vectors.h"
 #include "transports/codecs/ppm/ppm.h"
 
 /// The edges of a frame with the times of each one (further/ppm.json).
@@ -15,12 +14,6 @@ namespace tribus::ppm_vectors_test {
 namespace {
 
 using nlohmann::json;
-
-std::vector<json> ppm_vectors() {
-    std::ifstream file(test::capture("further/ppm.json"));
-    EXPECT_TRUE(file) << test::kNoCaptures;
-    return file ? json::parse(file).get<std::vector<json>>() : std::vector<json>{};
-}
 
 /// Records of the edges that go to `level`, of so many frames one behind the other.
 test::Bytes edges_to(int level, const json& vector, int frames) {
@@ -43,7 +36,7 @@ test::Bytes edges_to(int level, const json& vector, int frames) {
 
 TEST(PpmVectors, ChannelsAreThoseOfTheSourceByEitherEdge) {
     std::size_t seen = 0;
-    for (const json& vector : ppm_vectors()) {
+    for (const json& vector : test::vectors("ppm.json")) {
         for (const int level : {0, 1}) {
             PpmDecoder decoder(1);
             const auto frames = test::feed(decoder, edges_to(level, vector, 3));

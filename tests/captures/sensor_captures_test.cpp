@@ -1,7 +1,4 @@
 #include <cstddef>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <set>
 #include <sstream>
 #include <string>
@@ -15,40 +12,23 @@
 #include "app/cli/exit_status.h"
 #include "app/wire/decode_sensor.h"
 #include "app/wire/sensors/sensor_frame_finder.h"
-#include "tests/support/captures.h"
+#include "tests/captures/recordings.h"
 #include "transports/recordings/recording.h"
 
-/// Recordings of a genuine receiver (FS-iA6B) with genuine sensors. The expected counts are those
-/// of the README of the recordings, which another program found, and of docs/protocols/ibus.md,
-/// "Sensor bus: timing".
+/// Recordings of a genuine receiver (FS-iA6B) with genuine sensors, and their twins. The expected
+/// counts are those of the README of the recordings, which another program found, and of
+/// docs/protocols/ibus.md, "Sensor bus: timing".
 namespace tribus::sensor_captures_test {
 namespace {
 
 using nlohmann::json;
-
-Recording recording_of(std::string_view name) {
-    std::ifstream file(test::capture(name), std::ios::binary);
-    EXPECT_TRUE(file) << name;
-    const std::string content{std::istreambuf_iterator<char>(file), {}};
-    auto recording = parse_recording(content, name);
-    EXPECT_TRUE(recording) << recording.error();
-    return recording ? std::move(*recording) : Recording{};
-}
-
-class SensorCaptures : public testing::Test {
-  protected:
-    void SetUp() override {
-        ASSERT_TRUE(std::filesystem::exists(test::capture("README.md"))) << test::kNoCaptures;
-    }
-};
 
 struct Decoded {
     std::vector<json> exchanges;
     json summary;
 };
 
-Decoded decoded(std::string_view name) {
-    const Recording recording = recording_of(name);
+Decoded decoded(const Recording& recording) {
     const SensorTypes types;
     std::ostringstream results;
     std::ostringstream messages;
@@ -106,8 +86,23 @@ void expect_misses_asked_again(const std::vector<json>& exchanges, const std::se
     EXPECT_EQ(misses, count);
 }
 
-void expect_two_sensors(std::string_view name) {
-    const Decoded result = decoded(name);
+bool of_sensors(const Recording& recording) {
+    RecordingInMemory source(recording);
+    return is_sensor_bus(source);
+}
+
+class SensorCaptures : public testing::TestWithParam<test::Capture> {
+  protected:
+    static Recording recording(std::string_view file) {
+        return test::recording_of(file, GetParam());
+    }
+};
+
+INSTANTIATE_TEST_SUITE_P(Both, SensorCaptures, testing::ValuesIn(test::captures()),
+                         [](const auto& test) { return test::capture_name(test.param); });
+
+void expect_two_sensors(const Recording& recording) {
+    const Decoded result = decoded(recording);
     expect_complete(result.summary, 1286);
     EXPECT_EQ(result.summary["requests"], 642);
     EXPECT_EQ(result.summary["replies"], 634);
@@ -122,16 +117,16 @@ void expect_two_sensors(std::string_view name) {
     expect_misses_asked_again(result.exchanges, {1, 2}, 8);
 }
 
-TEST_F(SensorCaptures, TwoSensorsAreExplainedCompletely) {
-    expect_two_sensors("ibus_sensor_ia6b_2sensors.timed.txt");
+TEST_P(SensorCaptures, TwoSensorsAreExplainedCompletely) {
+    expect_two_sensors(recording("ibus_sensor_ia6b_2sensors.timed.txt"));
 }
 
-TEST_F(SensorCaptures, TheAnalysersExportSaysTheSame) {
-    expect_two_sensors("ibus_sensor_ia6b_2sensors.saleae.csv");
+TEST_P(SensorCaptures, TheAnalysersExportSaysTheSame) {
+    expect_two_sensors(recording("ibus_sensor_ia6b_2sensors.saleae.csv"));
 }
 
-TEST_F(SensorCaptures, OneSensorIsExplainedUpToTheCutAtTheEnd) {
-    const Decoded result = decoded("ibus_sensor_ia6b_rpmsensor.timed.txt");
+TEST_P(SensorCaptures, OneSensorIsExplainedUpToTheCutAtTheEnd) {
+    const Decoded result = decoded(recording("ibus_sensor_ia6b_rpmsensor.timed.txt"));
     expect_complete(result.summary, 1418);
     EXPECT_EQ(result.summary["requests"], 707);
     EXPECT_EQ(result.summary["replies"], 700);
@@ -142,8 +137,8 @@ TEST_F(SensorCaptures, OneSensorIsExplainedUpToTheCutAtTheEnd) {
 }
 
 // The first sensor passes requests on, but keeps its answers off the wire behind it.
-TEST_F(SensorCaptures, BehindTheFirstSensorOnlyItsRequestsAreSeen) {
-    const Decoded result = decoded("ibus_sensor_ia6b_tap_between.timed.txt");
+TEST_P(SensorCaptures, BehindTheFirstSensorOnlyItsRequestsAreSeen) {
+    const Decoded result = decoded(recording("ibus_sensor_ia6b_tap_between.timed.txt"));
     expect_complete(result.summary, 967);
     const json& addresses = result.summary["addresses"];
     ASSERT_EQ(addresses.size(), 3U);
@@ -156,8 +151,8 @@ TEST_F(SensorCaptures, BehindTheFirstSensorOnlyItsRequestsAreSeen) {
     expect_misses_asked_again(result.exchanges, {2}, 4);
 }
 
-TEST_F(SensorCaptures, ProbesComeEvery66Slots) {
-    const Decoded result = decoded("ibus_sensor_ia6b_2sensors.timed.txt");
+TEST_P(SensorCaptures, ProbesComeEvery66Slots) {
+    const Decoded result = decoded(recording("ibus_sensor_ia6b_2sensors.timed.txt"));
     std::vector<double> probes;
     for (const json& exchange : result.exchanges) {
         if (exchange["answer"] == "free") {
@@ -170,24 +165,23 @@ TEST_F(SensorCaptures, ProbesComeEvery66Slots) {
     }
 }
 
-TEST_F(SensorCaptures, TheSensorWireIsToldFromTheServoWire) {
-    const auto is_of_sensors = [this](const char* file) {
-        const Recording recording = recording_of(file);
-        RecordingInMemory source(recording);
-        return is_sensor_bus(source);
-    };
+TEST_P(SensorCaptures, TheSensorWireIsToldFromTheServoWire) {
+    const auto is_of_sensors = [](std::string_view file) { return of_sensors(recording(file)); };
     EXPECT_TRUE(is_of_sensors("ibus_sensor_ia6b_2sensors.timed.txt"));
     EXPECT_TRUE(is_of_sensors("ibus_sensor_ia6b_rpmsensor.timed.txt"));
     EXPECT_TRUE(is_of_sensors("ibus_sensor_ia6b_tap_between.timed.txt"));
     EXPECT_FALSE(is_of_sensors("ibus_servo14_ia6b_2sensors.timed.txt"));
     EXPECT_FALSE(is_of_sensors("ibus_servo18_afhds3.timed.txt"));
     EXPECT_FALSE(is_of_sensors("sbus2_r7008SB.timed.txt"));
-    EXPECT_FALSE(is_of_sensors("single_frames.txt"));
 }
 
-TEST_F(SensorCaptures, ServoFramesOnTheSameWireHoldNoSensorFrame) {
+TEST(SensorFrames, SingleFramesAreNoSensorWire) {
+    EXPECT_FALSE(of_sensors(test::single_frames()));
+}
+
+TEST_P(SensorCaptures, ServoFramesOnTheSameWireHoldNoSensorFrame) {
     SensorFrameFinder finder([](const ReceivedSensorFrame&) { ADD_FAILURE(); });
-    for (const Burst& burst : recording_of("ibus_servo14_ia6b_2sensors.timed.txt").bursts) {
+    for (const Burst& burst : recording("ibus_servo14_ia6b_2sensors.timed.txt").bursts) {
         finder.feed_burst(0, burst);
     }
     EXPECT_EQ(finder.tally().servo_frames, 651U);

@@ -1,15 +1,14 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/captures.h"
 #include "tests/support/streams.h"
+#include "tests/support/vectors.h"
 #include "transports/codecs/srxl/srxl.h"
 
 /// A frame of a receiver, and computed ones (further/srxl.json).
@@ -17,12 +16,6 @@ namespace tribus::srxl_vectors_test {
 namespace {
 
 using nlohmann::json;
-
-std::vector<json> srxl_vectors() {
-    std::ifstream file(test::capture("further/srxl.json"));
-    EXPECT_TRUE(file) << test::kNoCaptures;
-    return file ? json::parse(file).get<std::vector<json>>() : std::vector<json>{};
-}
 
 ChannelFrame frame_of(SrxlDecoder& decoder, const json& vector) {
     const auto frames =
@@ -35,7 +28,7 @@ ChannelFrame frame_of(SrxlDecoder& decoder, const json& vector) {
 // The sources have whole microseconds, cut towards 1500 or downwards.
 TEST(SrxlVectors, ChannelsAreThoseOfTheSourceToAMicrosecond) {
     std::size_t seen = 0;
-    for (const json& vector : srxl_vectors()) {
+    for (const json& vector : test::vectors("srxl.json")) {
         ++seen;
         SrxlDecoder decoder;
         const ChannelFrame frame = frame_of(decoder, vector);
@@ -55,7 +48,7 @@ TEST(SrxlVectors, ChannelsAreThoseOfTheSourceToAMicrosecond) {
 }
 
 TEST(SrxlVectors, RawValuesAreThoseOfTheSource) {
-    for (const json& vector : srxl_vectors()) {
+    for (const json& vector : test::vectors("srxl.json")) {
         SrxlDecoder decoder;
         frame_of(decoder, vector);
         const auto read = decoder.details()[1].values;

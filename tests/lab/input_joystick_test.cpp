@@ -82,16 +82,19 @@ TEST_F(LabJoystick, FollowsARecordingFrameByFrame) {
     FarEnd& receiver = device("receiver");
     Program& program = run(config("timeout = \"5s\"\n"));
     const InputReader joystick(event_device(kName));
-    const std::vector<Sticks> frames = recorded_sticks();
-    ASSERT_GE(frames.size(), kFrames);
-    std::size_t changes = 0;
-    for (std::size_t i = 0; i < kFrames; ++i) {
-        changes += i > 0 && frames[i] != frames[i - 1] ? 1U : 0U;
-        receiver.send(ibus_bytes(frames[i]));
-        ASSERT_TRUE(eventually([&] { return shows(joystick, frames[i]); })) << "frame " << i << "\n"
-                                                                            << program.errors();
+    for (const Capture capture : captures()) {
+        const std::vector<Sticks> frames = recorded_sticks(capture);
+        ASSERT_GE(frames.size(), kFrames);
+        std::size_t changes = 0;
+        for (std::size_t i = 0; i < kFrames; ++i) {
+            changes += i > 0 && frames[i] != frames[i - 1] ? 1U : 0U;
+            receiver.send(ibus_bytes(frames[i]));
+            ASSERT_TRUE(eventually([&] { return shows(joystick, frames[i]); }))
+                << capture_name(capture) << ", frame " << i << "\n"
+                << program.errors();
+        }
+        EXPECT_GT(changes, kFrames / 5) << "sticks that rest show nothing";
     }
-    EXPECT_GT(changes, kFrames / 5) << "sticks that rest show nothing";
     expect_clean_end(program);
 }
 

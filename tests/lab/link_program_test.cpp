@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -48,10 +49,11 @@ class KeyedLink : public TwoPrograms, public testing::WithParamInterface<BusJob>
     Way way_{job_};
 };
 
-INSTANTIATE_TEST_SUITE_P(Links, KeyedLink,
-                         testing::Values(with_key(kFdBus), with_key(kClassicBus), with_key(kUdp),
-                                         with_epoch(kFdBus), with_epoch(kClassicBus),
-                                         with_epoch(kUdp)));
+const auto kKeyedJobs =
+    testing::Values(with_key(kFdBus), with_key(kClassicBus), with_key(kUdp), with_epoch(kFdBus),
+                    with_epoch(kClassicBus), with_epoch(kUdp));
+
+INSTANTIATE_TEST_SUITE_P(Links, KeyedLink, kKeyedJobs);
 
 TEST_P(KeyedLink, EverySticksOfTheCaptureComesOutExactly) {
     Program& reader = start_reader(job_);
@@ -61,14 +63,26 @@ TEST_P(KeyedLink, EverySticksOfTheCaptureComesOutExactly) {
     expect_clean_end(reader);
 }
 
+class KeyedLinkOfAReceiver : public TwoPrograms,
+                             public testing::WithParamInterface<std::tuple<BusJob, Capture>> {
+  protected:
+    KeyedLinkOfAReceiver() { write_key("boat.key", '7'); }
+
+    const BusJob& job_ = std::get<BusJob>(GetParam());
+    Way way_{job_};
+};
+
+INSTANTIATE_TEST_SUITE_P(Links, KeyedLinkOfAReceiver,
+                         testing::Combine(kKeyedJobs, testing::ValuesIn(captures())));
+
 /// The capture at its own pace: 18 channels every 4 ms.
-TEST_P(KeyedLink, RecordedReceiverMovesTheServosInItsOrderAndItsEndIsFailsafe) {
-    const auto rows = recorded_sticks();
-    ASSERT_FALSE(rows.empty()) << "the captures are not there";
+TEST_P(KeyedLinkOfAReceiver, MovesTheServosInItsOrderAndItsEndIsFailsafe) {
+    const Capture capture = std::get<Capture>(GetParam());
+    const auto rows = recorded_sticks(capture);
     Program& reader = start_reader(job_);
     Program& sender = start_sender(job_);
     ASSERT_TRUE(carry_until_control()) << sender.errors() << reader.errors();
-    RecordedReceiver recorded(receiver());
+    RecordedReceiver recorded(receiver(), capture);
     recorded.start();
     std::size_t row = 0;
     std::size_t rows_seen = 0;

@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -49,15 +51,16 @@ bool near(const Channels& a, const Channels& b) {
     return true;
 }
 
-/// The first channels of a recording of real sticks, each frame once.
+/// The first channels of a recording of real sticks and of its twin, so many frames of each.
 std::vector<Channels> recorded_channels(std::size_t count) {
     std::vector<Channels> frames;
-    for (const Sticks& sticks : recorded_sticks()) {
-        if (frames.size() < count) {
+    for (const Capture capture : captures()) {
+        const std::vector<Sticks> all = recorded_sticks(capture);
+        EXPECT_GE(all.size(), count);
+        for (const Sticks& sticks : std::span(all).first(std::min(count, all.size()))) {
             frames.emplace_back(sticks.begin(), sticks.begin() + kChannels);
         }
     }
-    EXPECT_EQ(frames.size(), count);
     return frames;
 }
 

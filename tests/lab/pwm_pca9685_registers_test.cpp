@@ -41,17 +41,19 @@ TEST_F(LabPwm, ARecordingMovesTheRegistersFrameByFrame) {
     FarEnd& receiver = device("receiver");
     Program& program = run(config("timeout = \"5s\"\n"));
     const Registers chip(adapter());
-    const std::vector<Sticks> frames = recorded_sticks();
-    ASSERT_GE(frames.size(), kFrames);
-    std::size_t changes = 0;
-    for (std::size_t i = 0; i < kFrames; ++i) {
-        changes += i > 0 && sent(frames[i]) != sent(frames[i - 1]) ? 1U : 0U;
-        receiver.send(ibus_bytes(frames[i]));
-        ASSERT_TRUE(eventually([&] { return shows(chip, frames[i]); }))
-            << "frame " << i << ": " << chip.count(0) << "\n"
-            << program.errors();
+    for (const Capture capture : captures()) {
+        const std::vector<Sticks> frames = recorded_sticks(capture);
+        ASSERT_GE(frames.size(), kFrames);
+        std::size_t changes = 0;
+        for (std::size_t i = 0; i < kFrames; ++i) {
+            changes += i > 0 && sent(frames[i]) != sent(frames[i - 1]) ? 1U : 0U;
+            receiver.send(ibus_bytes(frames[i]));
+            ASSERT_TRUE(eventually([&] { return shows(chip, frames[i]); }))
+                << capture_name(capture) << ", frame " << i << ": " << chip.count(0) << "\n"
+                << program.errors();
+        }
+        EXPECT_GT(changes, kFrames / 5) << "sticks that rest show nothing";
     }
-    EXPECT_GT(changes, kFrames / 5) << "sticks that rest show nothing";
     // 25 MHz / 4096 / 50 Hz, less one.
     EXPECT_EQ(chip.prescale(), 121);
     EXPECT_NE(run_shell(TRIBUS_PROGRAM " pwm")

@@ -1,46 +1,13 @@
 #include "tests/lab/recorded_receiver.h"
-#include "tests/support/captures.h"
-
-#include <fstream>
-#include <iterator>
-#include <sstream>
-#include <string>
-#include <utility>
-
-#include <gtest/gtest.h>
 
 namespace tribus::test {
-namespace {
 
-const std::string kRecording = capture("ibus_servo18_afhds3").string();
-
-}  // namespace
-
-std::vector<Sticks> recorded_sticks() {
-    std::ifstream file(kRecording + ".channels.csv");
-    std::vector<Sticks> rows;
-    std::string line;
-    std::getline(file, line);
-    while (std::getline(file, line)) {
-        std::istringstream cells(line);
-        Sticks sticks;
-        for (std::string cell; std::getline(cells, cell, ',');) {
-            sticks.push_back(std::stoi(cell));
-        }
-        rows.push_back(std::move(sticks));
-    }
-    return rows;
+std::vector<Sticks> recorded_sticks(Capture capture) {
+    return channel_rows("ibus_servo18_afhds3.channels.csv", capture);
 }
 
-RecordedReceiver::RecordedReceiver(FarEnd& wire) : wire_(wire) {
-    std::ifstream file(kRecording + ".timed.txt");
-    const std::string text{std::istreambuf_iterator<char>(file), {}};
-    auto recording = parse_recording(text, "recording");
-    EXPECT_TRUE(recording && recording->timed) << "the captures are not there";
-    if (recording && recording->timed) {
-        bursts_ = std::move(recording->bursts);
-    }
-}
+RecordedReceiver::RecordedReceiver(FarEnd& wire, Capture capture)
+    : wire_(wire), bursts_(recording_of("ibus_servo18_afhds3.timed.txt", capture).bursts) {}
 
 void RecordedReceiver::start() {
     next_ = 0;

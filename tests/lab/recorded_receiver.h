@@ -3,21 +3,21 @@
 #include <cstddef>
 #include <vector>
 
+#include "tests/captures/recordings.h"
 #include "tests/loopback/wire.h"
 #include "tests/support/far_end.h"
 #include "transports/recordings/recording.h"
 
 namespace tribus::test {
 
-/// Returns the sticks in the recording of a FlySky AFHDS3 receiver, 18 channels every 4 ms for 5 s
-/// (origin in the README of the captures). Returns none if the captures are missing.
-std::vector<Sticks> recorded_sticks();
+/// Returns the sticks in the recording of a FlySky AFHDS3 receiver, or in its twin: 18 channels
+/// every 4 ms for 5 s (tests/captures/receivers.cpp).
+std::vector<Sticks> recorded_sticks(Capture capture);
 
 /// Replays that receiver with the recorded times.
 class RecordedReceiver {
   public:
-    /// The recordings are in the folder of the captures.
-    explicit RecordedReceiver(FarEnd& wire);
+    RecordedReceiver(FarEnd& wire, Capture capture);
 
     /// Starts with the first burst.
     void start();

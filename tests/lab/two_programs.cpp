@@ -30,8 +30,8 @@ std::string interface_line(const std::string& interface) {
 
 /// The sticks of every tenth row, so that a slow machine needs only seconds. The sticks of the
 /// capture move much more slowly.
-std::vector<Sticks> some_recorded_sticks() {
-    const auto all = recorded_sticks();
+std::vector<Sticks> some_recorded_sticks(Capture capture) {
+    const auto all = recorded_sticks(capture);
     std::vector<Sticks> some;
     for (std::size_t i = 0; i < all.size(); i += 10) {
         if (some.empty() || some.back() != all[i]) {
@@ -87,15 +87,17 @@ Program& TwoPrograms::start_reader(const BusJob& job) {
 }
 
 void TwoPrograms::expect_recorded_sticks(const Program& sender, const Program& reader) {
-    const auto rows = some_recorded_sticks();
-    ASSERT_GT(rows.size(), 20U) << "the captures are not there";
-    for (const Sticks& sticks : rows) {
-        const SbusSight wanted = sbus_sight_of(sticks);
-        repeater_.change(ibus_bytes(sticks));
-        ASSERT_TRUE(carry_until([&](const SbusSight& sight) {
-            return sight.good() && same_channels(sight, wanted);
-        })) << sender.errors()
-            << reader.errors();
+    for (const Capture capture : captures()) {
+        const auto rows = some_recorded_sticks(capture);
+        ASSERT_GT(rows.size(), 20U) << capture_name(capture);
+        for (const Sticks& sticks : rows) {
+            const SbusSight wanted = sbus_sight_of(sticks);
+            repeater_.change(ibus_bytes(sticks));
+            ASSERT_TRUE(carry_until([&](const SbusSight& sight) {
+                return sight.good() && same_channels(sight, wanted);
+            })) << sender.errors()
+                << reader.errors();
+        }
     }
     EXPECT_EQ(servos().strays(), 0U);
 }

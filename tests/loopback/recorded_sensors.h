@@ -3,19 +3,15 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
 #include <map>
-#include <sstream>
-#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tests/captures/recordings.h"
 #include "tests/loopback/sensor_bus.h"
-#include "tests/support/captures.h"
 
 /// The recorded requests of a genuine receiver and the answers of its two sensors. The program
 /// takes the place of the sensors.
@@ -46,17 +42,10 @@ struct RecordedExchange {
 };
 
 /// Returns the first `count` of the 652 requests in their order.
-inline std::vector<RecordedExchange> recorded_exchanges(std::size_t count) {
-    std::ifstream file(capture("ibus_sensor_ia6b_2sensors.timed.txt"));
-    EXPECT_TRUE(file) << kNoCaptures;
+inline std::vector<RecordedExchange> recorded_exchanges(std::size_t count, Capture capture) {
     Bytes wire;
-    for (std::string line; std::getline(file, line);) {
-        std::istringstream words(line.starts_with('#') ? "" : line);
-        std::string word;
-        words >> word;
-        while (words >> word) {
-            wire.push_back(static_cast<std::uint8_t>(std::stoi(word, nullptr, 16)));
-        }
+    for (const Burst& burst : recording_of("ibus_sensor_ia6b_2sensors.timed.txt", capture).bursts) {
+        wire.insert(wire.end(), burst.bytes.begin(), burst.bytes.end());
     }
     std::size_t strays = 0;
     std::map<unsigned, Bytes> answers;
@@ -69,7 +58,7 @@ inline std::vector<RecordedExchange> recorded_exchanges(std::size_t count) {
         }
     }
     EXPECT_EQ(strays, 0U);
-    EXPECT_TRUE(exchanges.empty() || exchanges.size() == 652);
+    EXPECT_EQ(exchanges.size(), 652U);
     for (RecordedExchange& exchange : exchanges) {
         exchange.answer = answers[exchange.request];
     }

@@ -13,7 +13,6 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/loopback/loopback.h"
-#include "tests/support/captures.h"
 #include "tests/support/sanitized.h"
 
 namespace tribus::test::simulate_test {
@@ -251,33 +250,25 @@ TEST_F(Simulate, PlaysARecordingUntilItsMistakeAndSaysWhereThatIs) {
     EXPECT_GT(read_timed(out).size(), 100U);
 }
 
-/// A FlySky AFHDS3 receiver, 18 channels every 4 ms (origin in the README of the captures).
+/// A FlySky AFHDS3 receiver, 18 channels every 4 ms (tests/captures/receivers.cpp).
 TEST_F(Simulate, MainJobOverARealReceiversRecording) {
-    const auto recording = capture("ibus_servo18_afhds3.timed.txt");
-    ASSERT_TRUE(std::filesystem::exists(recording)) << kNoCaptures;
-    std::vector<Sticks> rows;
-    std::ifstream table(capture("ibus_servo18_afhds3.channels.csv"));
-    std::string row;
-    std::getline(table, row);
-    while (std::getline(table, row)) {
-        std::istringstream cells(row);
-        Sticks& sticks = rows.emplace_back();
-        for (std::string cell; std::getline(cells, cell, ',');) {
-            sticks.push_back(std::stoi(cell));
+    for (const Capture capture : captures()) {
+        SCOPED_TRACE(capture_name(capture));
+        const auto recording = file_of("ibus_servo18_afhds3.timed.txt", capture, folder());
+        const std::vector<Sticks> rows = channel_rows("ibus_servo18_afhds3.channels.csv", capture);
+        std::vector<Arrival> inputs;
+        for (const Burst& burst : read_timed(recording)) {
+            if (burst.bytes.size() == 32 && inputs.size() < rows.size()) {
+                inputs.push_back({burst.at_us + kFrameUs, sbus_sight_of(rows[inputs.size()])});
+            }
         }
+        ASSERT_EQ(inputs.size(), rows.size());
+        const std::filesystem::path out = simulate(recording);
+        const std::vector<Arrival> frames = decode(out, read_timed(out).size());
+        ASSERT_FALSE(frames.empty());
+        expect_least_gap(frames);
+        expect_each_right(frames, inputs);
     }
-    std::vector<Arrival> inputs;
-    for (const Burst& burst : read_timed(recording)) {
-        if (burst.bytes.size() == 32 && inputs.size() < rows.size()) {
-            inputs.push_back({burst.at_us + kFrameUs, sbus_sight_of(rows[inputs.size()])});
-        }
-    }
-    ASSERT_EQ(inputs.size(), rows.size());
-    const std::filesystem::path out = simulate(recording);
-    const std::vector<Arrival> frames = decode(out, read_timed(out).size());
-    ASSERT_FALSE(frames.empty());
-    expect_least_gap(frames);
-    expect_each_right(frames, inputs);
 }
 
 /// A battery on a CAN bus is a sensor of a receiver. The receiver asks before the message came,

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/captures.h"
+#include "tests/captures/recordings.h"
 #include "tests/support/shell.h"
 #include "transports/recordings/recording.h"
 
@@ -124,13 +124,15 @@ TEST_F(Tshark, SeesTheFdFramesOfAPipeline) {
     EXPECT_EQ(std::ranges::count(switched, "1"), std::ssize(rows_in(log)));
 }
 
-/// A FlySky AFHDS3 receiver (origin in the README of the captures).
+/// A FlySky AFHDS3 receiver (tests/captures/receivers.cpp).
 TEST_F(Tshark, SeesWhatAPipelineMakesOfARealReceiver) {
-    const auto recording = test::capture("ibus_servo18_afhds3.timed.txt");
-    ASSERT_TRUE(std::filesystem::exists(recording)) << test::kNoCaptures;
-    const std::string log = simulate(kClassic, recording);
-    ASSERT_GT(rows_in(log).size(), 500U);
-    EXPECT_EQ(seen("-e can.id -e data.data"), rows_in(log));
+    for (const test::Capture capture : test::captures()) {
+        SCOPED_TRACE(test::capture_name(capture));
+        const std::string log = simulate(
+            kClassic, test::file_of("ibus_servo18_afhds3.timed.txt", capture, folder / ""));
+        ASSERT_GT(rows_in(log).size(), 500U);
+        EXPECT_EQ(seen("-e can.id -e data.data"), rows_in(log));
+    }
 }
 
 TEST_F(Tshark, SeesTheTimesOfALog) {

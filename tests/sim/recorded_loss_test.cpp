@@ -1,11 +1,9 @@
+#include "tests/captures/recordings.h"
 #include "tests/sim/loss_run.h"
-#include "tests/support/captures.h"
 
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include <fmt/format.h>
@@ -14,8 +12,8 @@
 #include "app/learn/frame_collector.h"
 #include "transports/recordings/recording.h"
 
-/// Repeated recordings of real receivers, with a simulated loss in each of the known ways. The
-/// configuration has the lines that `learn` printed for that way.
+/// Repeated recordings of real receivers and their twins, with a simulated loss in each of the
+/// known ways. The configuration has the lines that `learn` printed for that way.
 namespace tribus::test::recorded_loss_test {
 namespace {
 
@@ -38,14 +36,11 @@ constexpr RecordedFlight kFlights[]{
     {"sbus2_r7008SB.timed.txt", "sbus", 15ms, false},
 };
 
-std::vector<ChannelFrame> recorded_frames(const RecordedFlight& flight) {
-    const auto path = capture(flight.file);
-    std::ifstream file(path, std::ios::binary);
-    const std::string content{std::istreambuf_iterator<char>(file), {}};
-    const auto recording = parse_recording(content, path.string());
+std::vector<ChannelFrame> recorded_frames(const RecordedFlight& flight, Capture capture) {
+    const Recording recording = recording_of(flight.file, capture);
     const Configuration job = configuration_of(job_with(flight.protocol, {}));
     FrameCollector collector(job.inputs[0]);
-    for (const Burst& burst : recording->bursts) {
+    for (const Burst& burst : recording.bursts) {
         collector.receive(burst.bytes, burst.damaged, Instant(*burst.start));
     }
     std::vector<ChannelFrame> frames;
@@ -55,16 +50,11 @@ std::vector<ChannelFrame> recorded_frames(const RecordedFlight& flight) {
     return frames;
 }
 
-class RecordedLoss : public testing::TestWithParam<RecordedFlight> {
-  protected:
-    void SetUp() override {
-        ASSERT_TRUE(std::filesystem::exists(capture(GetParam().file))) << kNoCaptures;
-    }
-};
+class RecordedLoss : public testing::TestWithParam<std::tuple<RecordedFlight, Capture>> {};
 
 TEST_P(RecordedLoss, is_recognised_in_each_known_way_and_nothing_before_is_taken_for_it) {
-    const RecordedFlight& recorded = GetParam();
-    const std::vector<ChannelFrame> frames = recorded_frames(recorded);
+    const auto& [recorded, capture] = GetParam();
+    const std::vector<ChannelFrame> frames = recorded_frames(recorded, capture);
     ASSERT_GT(frames.size(), 80U);
     const Flight flight = [&](Duration since) {
         return frames[static_cast<std::size_t>(since / recorded.period) % frames.size()];
@@ -89,9 +79,15 @@ TEST_P(RecordedLoss, is_recognised_in_each_known_way_and_nothing_before_is_taken
     EXPECT_GE(ways, 5);
 }
 
-INSTANTIATE_TEST_SUITE_P(Captures, RecordedLoss, testing::ValuesIn(kFlights), [](const auto& test) {
-    return std::string(test.param.file.substr(0, test.param.file.find('.')));
-});
+INSTANTIATE_TEST_SUITE_P(Captures, RecordedLoss,
+                         testing::Combine(testing::ValuesIn(kFlights),
+                                          testing::ValuesIn(captures())),
+                         [](const auto& test) {
+                             const std::string_view file =
+                                 std::get<RecordedFlight>(test.param).file;
+                             return std::string(file.substr(0, file.find('.'))) + "_" +
+                                    capture_name(std::get<Capture>(test.param));
+                         });
 
 }  // namespace
 }  // namespace tribus::test::recorded_loss_test

@@ -1,24 +1,22 @@
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <random>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "pipelines/sensor_bus/receiver_role.h"
 #include "pipelines/sensor_bus/sensor_role.h"
+#include "tests/captures/recordings.h"
 #include "tests/sim/sensor_wire.h"
-#include "tests/support/captures.h"
 #include "tests/support/heap_trap.h"
 #include "tests/support/ibus_checksum.h"
 #include "transports/recordings/recording.h"
 
-/// Both roles of a sensor bus under virtual time: with a recorded receiver, with simulated sensors,
-/// and with each other.
+/// Both roles of a sensor bus under virtual time: with a recorded receiver and its twin, with
+/// simulated sensors, and with each other.
 namespace tribus::test::sensor_bus_test {
 namespace {
 
@@ -45,14 +43,11 @@ struct RecordedBus {
     int answers = 0;  ///< number of recorded answers
 };
 
-class RecordedReceiver : public testing::TestWithParam<RecordedBus> {
+class RecordedReceiver : public testing::TestWithParam<std::tuple<RecordedBus, Capture>> {
   protected:
-    static std::filesystem::path file() { return capture(GetParam().file); }
     void SetUp() override {
-        ASSERT_TRUE(std::filesystem::exists(file())) << kNoCaptures;
-        std::ifstream stream(file(), std::ios::binary);
-        const std::string content{std::istreambuf_iterator<char>(stream), {}};
-        bursts_ = parse_recording(content, file().string())->bursts;
+        const auto& [bus, capture] = GetParam();
+        bursts_ = recording_of(bus.file, capture).bursts;
     }
     static bool is_request(const Burst& burst) { return burst.bytes.size() == 4; }
 
@@ -60,7 +55,7 @@ class RecordedReceiver : public testing::TestWithParam<RecordedBus> {
 };
 
 TEST_P(RecordedReceiver, GetsTheRecordedAnswersByteForByteAndInTime) {
-    const RecordedBus& bus = GetParam();
+    const RecordedBus& bus = std::get<RecordedBus>(GetParam());
     SensorRoleSettings settings{.first_address = bus.first_address};
     for (std::size_t i = 0; i < bus.types.size(); ++i) {
         settings.sensors.push_back(sensor(bus.types[i], i));
@@ -107,14 +102,18 @@ TEST_P(RecordedReceiver, GetsTheRecordedAnswersByteForByteAndInTime) {
     EXPECT_EQ(role.echo().collisions, 0U);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    FsIa6b, RecordedReceiver,
-    testing::Values(
-        RecordedBus{
-            "ibus_sensor_ia6b_2sensors.timed.txt", 1, {"rotation_speed", "external_voltage"}, 634},
-        RecordedBus{"ibus_sensor_ia6b_rpmsensor.timed.txt", 1, {"rotation_speed"}, 700},
-        RecordedBus{"ibus_sensor_ia6b_tap_between.timed.txt", 2, {"external_voltage"}, 316}),
-    [](const auto& recording) { return "Recording" + std::to_string(recording.index); });
+const RecordedBus kRecordedBuses[]{
+    {"ibus_sensor_ia6b_2sensors.timed.txt", 1, {"rotation_speed", "external_voltage"}, 634},
+    {"ibus_sensor_ia6b_rpmsensor.timed.txt", 1, {"rotation_speed"}, 700},
+    {"ibus_sensor_ia6b_tap_between.timed.txt", 2, {"external_voltage"}, 316}};
+
+INSTANTIATE_TEST_SUITE_P(FsIa6b, RecordedReceiver,
+                         testing::Combine(testing::ValuesIn(kRecordedBuses),
+                                          testing::ValuesIn(captures())),
+                         [](const auto& test) {
+                             return capture_name(std::get<Capture>(test.param)) +
+                                    std::to_string(test.index);
+                         });
 
 ReceiverRoleSettings receiver_settings() {
     ReceiverRoleSettings settings;

@@ -1,30 +1,17 @@
 #pragma once
 
 #include <algorithm>
-#include <filesystem>
 #include <iterator>
-#include <string>
 #include <vector>
-
-#include <gtest/gtest.h>
 
 #include "app/doctor/listening/line_heard.h"
 #include "app/doctor/listening/listener.h"
-#include "tests/support/captures.h"
-#include "tests/support/shell.h"
 #include "tests/support/uart_wire.h"
 #include "transports/recordings/recording.h"
 
-/// Recordings of real receivers, replayed on a simulated wire and read by simulated ports.
+/// Recordings of real receivers, or their twins, replayed on a simulated wire and read by simulated
+/// ports.
 namespace tribus::test {
-
-inline Recording recorded(const std::string& name) {
-    const TemporaryFolder folder;
-    std::filesystem::copy(capture(name), folder / "it");
-    auto recording = parse_recording(folder.read("it"), name);
-    EXPECT_TRUE(recording) << recording.error();
-    return recording ? *std::move(recording) : Recording{};
-}
 
 struct SentAs {
     SenderLine sender;

@@ -9,10 +9,12 @@
 #include <memory>
 #include <random>
 #include <string>
+#include <tuple>
 #include <variant>
 #include <vector>
 
 #include "config/schema/notation.h"
+#include "tests/captures/recordings.h"
 #include "tests/support/recorded_lines.h"
 #include "transports/codecs/sbus/sbus.h"
 #include "transports/links/serial/serial_medium.h"
@@ -23,10 +25,10 @@ namespace {
 
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
+using test::Capture;
 using test::heard_of;
 using test::HeardBy;
 using test::on_a_wire;
-using test::recorded;
 using test::SentAs;
 using test::UartKind;
 using test::Wire;
@@ -53,12 +55,38 @@ INSTANTIATE_TEST_SUITE_P(Usual, LineJudgeAtAPort,
 INSTANTIATE_TEST_SUITE_P(Further, LineJudgeAtAPort,
                          testing::Values(kLumpsWaitingForIdle, kEachByteAtOnce));
 
-SentAs ibus_sent(bool inverted = false) {
-    return {.sender = {.line = kIbusLine, .inverted = inverted}, .pause_bits = 1};
+LineStory story_of(const Recording& recording, const SentAs& as, const HeardBy& by = {}) {
+    return judge_line(heard_of(on_a_wire(recording, as), by));
 }
 
-LineStory story_of(const std::string& recording, const SentAs& as, const HeardBy& by = {}) {
-    return judge_line(heard_of(on_a_wire(recorded(recording), as), by));
+/// A recording or its twin, on a wire.
+class RecordedLine : public testing::TestWithParam<Capture> {
+  protected:
+    static Recording recorded(const std::string& file) {
+        return test::recording_of(file, GetParam());
+    }
+};
+
+INSTANTIATE_TEST_SUITE_P(Both, RecordedLine, testing::ValuesIn(test::captures()),
+                         [](const auto& test) { return test::capture_name(test.param); });
+
+class RecordedLineAtAPort : public testing::TestWithParam<std::tuple<HeardBy, Capture>> {
+  protected:
+    static LineStory story_of(const std::string& file, const SentAs& as) {
+        const auto& [port, capture] = GetParam();
+        return line_judge_test::story_of(test::recording_of(file, capture), as, port);
+    }
+};
+
+INSTANTIATE_TEST_SUITE_P(Usual, RecordedLineAtAPort,
+                         testing::Combine(testing::Values(kEachByteWaitingForIdle, kLumpsAtOnce),
+                                          testing::ValuesIn(test::captures())));
+INSTANTIATE_TEST_SUITE_P(Further, RecordedLineAtAPort,
+                         testing::Combine(testing::Values(kLumpsWaitingForIdle, kEachByteAtOnce),
+                                          testing::ValuesIn(test::captures())));
+
+SentAs ibus_sent(bool inverted = false) {
+    return {.sender = {.line = kIbusLine, .inverted = inverted}, .pause_bits = 1};
 }
 
 void expect_period(const LineStory& story, Duration expected) {
@@ -67,9 +95,9 @@ void expect_period(const LineStory& story, Duration expected) {
         << story.period->count();
 }
 
-TEST_P(LineJudgeAtAPort, knows_ibus_of_14_channels) {
+TEST_P(RecordedLineAtAPort, knows_ibus_of_14_channels) {
     for (const std::string& name : kIbus14) {
-        const LineStory story = story_of(name, ibus_sent(), GetParam());
+        const LineStory story = story_of(name, ibus_sent());
         EXPECT_EQ(story.sound, LineSound::frames);
         EXPECT_EQ(story.protocol, "ibus");
         EXPECT_EQ(story.channels, 14U);
@@ -78,16 +106,16 @@ TEST_P(LineJudgeAtAPort, knows_ibus_of_14_channels) {
     }
 }
 
-TEST_P(LineJudgeAtAPort, knows_ibus_of_18_channels) {
-    const LineStory story = story_of(kIbus18, ibus_sent(), GetParam());
+TEST_P(RecordedLineAtAPort, knows_ibus_of_18_channels) {
+    const LineStory story = story_of(kIbus18, ibus_sent());
     EXPECT_EQ(story.sound, LineSound::frames);
     EXPECT_EQ(story.protocol, "ibus");
     EXPECT_EQ(story.channels, 18U);
     expect_period(story, microseconds(4000));
 }
 
-TEST_P(LineJudgeAtAPort, knows_sbus2_and_futabas_scale) {
-    const LineStory story = story_of(kSbus2, {.sender = {.line = kSbusLine}}, GetParam());
+TEST_P(RecordedLineAtAPort, knows_sbus2_and_futabas_scale) {
+    const LineStory story = story_of(kSbus2, {.sender = {.line = kSbusLine}});
     EXPECT_EQ(story.sound, LineSound::frames);
     EXPECT_EQ(story.protocol, "sbus");
     EXPECT_EQ(story.line, kSbusLine);
@@ -96,16 +124,16 @@ TEST_P(LineJudgeAtAPort, knows_sbus2_and_futabas_scale) {
     expect_period(story, milliseconds(15));
 }
 
-TEST_P(LineJudgeAtAPort, knows_fast_sbus) {
-    const LineStory story = story_of(kSbus2, {.sender = {.line = kFastSbusLine}}, GetParam());
+TEST_P(RecordedLineAtAPort, knows_fast_sbus) {
+    const LineStory story = story_of(kSbus2, {.sender = {.line = kFastSbusLine}});
     EXPECT_EQ(story.sound, LineSound::frames);
     EXPECT_EQ(story.protocol, "sbus");
     EXPECT_EQ(story.line, kFastSbusLine);
 }
 
-TEST_P(LineJudgeAtAPort, knows_the_sensor_bus) {
+TEST_P(RecordedLineAtAPort, knows_the_sensor_bus) {
     for (const std::string& name : kSensorBuses) {
-        const LineStory story = story_of(name, ibus_sent(), GetParam());
+        const LineStory story = story_of(name, ibus_sent());
         EXPECT_EQ(story.sound, LineSound::frames) << name;
         EXPECT_EQ(story.protocol, "ibus-sensor") << name;
         EXPECT_GT(story.requests, 40U) << name;
@@ -114,26 +142,24 @@ TEST_P(LineJudgeAtAPort, knows_the_sensor_bus) {
     }
 }
 
-TEST_P(LineJudgeAtAPort, knows_inverted_ibus) {
+TEST_P(RecordedLineAtAPort, knows_inverted_ibus) {
     for (const std::string& name : {kIbus14[0], kIbus14[1], kIbus18}) {
-        const LineStory story = story_of(name, ibus_sent(true), GetParam());
+        const LineStory story = story_of(name, ibus_sent(true));
         EXPECT_EQ(story.sound, LineSound::inverted) << name;
         EXPECT_EQ(story.protocol, "ibus") << name;
         expect_period(story, name == kIbus18 ? microseconds(4000) : microseconds(7701));
     }
 }
 
-TEST_P(LineJudgeAtAPort, knows_inverted_ibus_of_senders_that_make_no_pause) {
-    const LineStory story =
-        story_of(kIbus14[0], {.sender = {.line = kIbusLine, .inverted = true}}, GetParam());
+TEST_P(RecordedLineAtAPort, knows_inverted_ibus_of_senders_that_make_no_pause) {
+    const LineStory story = story_of(kIbus14[0], {.sender = {.line = kIbusLine, .inverted = true}});
     EXPECT_EQ(story.sound, LineSound::inverted);
     EXPECT_EQ(story.protocol, "ibus");
 }
 
-TEST_P(LineJudgeAtAPort, knows_inverted_sbus) {
+TEST_P(RecordedLineAtAPort, knows_inverted_sbus) {
     for (const LineSettings& line : {kSbusLine, kFastSbusLine}) {
-        const LineStory story =
-            story_of(kSbus2, {.sender = {.line = line, .inverted = true}}, GetParam());
+        const LineStory story = story_of(kSbus2, {.sender = {.line = line, .inverted = true}});
         EXPECT_EQ(story.sound, LineSound::inverted);
         EXPECT_EQ(story.protocol, "sbus");
         EXPECT_EQ(story.line, line);
@@ -141,45 +167,44 @@ TEST_P(LineJudgeAtAPort, knows_inverted_sbus) {
     }
 }
 
-TEST_P(LineJudgeAtAPort, knows_an_inverted_sensor_bus) {
-    const LineStory story = story_of(kSensorBuses[0], ibus_sent(true), GetParam());
+TEST_P(RecordedLineAtAPort, knows_an_inverted_sensor_bus) {
+    const LineStory story = story_of(kSensorBuses[0], ibus_sent(true));
     EXPECT_EQ(story.sound, LineSound::inverted);
     EXPECT_EQ(story.protocol, "ibus-sensor");
 }
 
-TEST_P(LineJudgeAtAPort, knows_sbus_without_parity) {
+TEST_P(RecordedLineAtAPort, knows_sbus_without_parity) {
     for (const std::uint8_t stop_bits : {std::uint8_t{1}, std::uint8_t{2}}) {
         const LineSettings line{.baud = 100'000, .stop_bits = stop_bits};
-        const LineStory story = story_of(kSbus2, {.sender = {.line = line}}, GetParam());
+        const LineStory story = story_of(kSbus2, {.sender = {.line = line}});
         EXPECT_EQ(story.sound, LineSound::wrong_parity);
         EXPECT_EQ(story.protocol, "sbus");
     }
 }
 
-TEST_P(LineJudgeAtAPort, knows_sbus_with_odd_parity) {
-    const LineStory story =
-        story_of(kSbus2, {.sender = {.line = kSbusLine, .odd_parity = true}}, GetParam());
+TEST_P(RecordedLineAtAPort, knows_sbus_with_odd_parity) {
+    const LineStory story = story_of(kSbus2, {.sender = {.line = kSbusLine, .odd_parity = true}});
     EXPECT_EQ(story.sound, LineSound::wrong_parity);
     EXPECT_EQ(story.protocol, "sbus");
 }
 
-TEST(LineJudge, knows_ibus_with_parity_where_the_port_gets_into_step_again) {
+TEST_P(RecordedLine, knows_ibus_with_parity_where_the_port_gets_into_step_again) {
     const LineSettings line{.baud = kUsualBaud, .parity = Parity::even};
-    const LineStory story =
-        story_of(kIbus14[0], {.sender = {.line = line}, .pause_bits = 1}, kEachByteWaitingForIdle);
+    const LineStory story = story_of(
+        recorded(kIbus14[0]), {.sender = {.line = line}, .pause_bits = 1}, kEachByteWaitingForIdle);
     EXPECT_EQ(story.sound, LineSound::wrong_parity);
     EXPECT_EQ(story.protocol, "ibus");
 }
 
-TEST_P(LineJudgeAtAPort, takes_another_rate_for_nothing_known) {
+TEST_P(RecordedLineAtAPort, takes_another_rate_for_nothing_known) {
     for (const std::uint32_t baud : {38'400U, 300'000U}) {
         const SentAs as{.sender = {.line = {.baud = baud}}, .pause_bits = 1};
-        const LineStory story = story_of(kIbus14[0], as, GetParam());
+        const LineStory story = story_of(kIbus14[0], as);
         EXPECT_EQ(story.sound, LineSound::unknown)
             << baud << " " << story.protocol << " at " << story.line.baud;
     }
     const LineSettings sbus{.baud = 115'200, .parity = Parity::even, .stop_bits = 2};
-    const LineStory story = story_of(kSbus2, {.sender = {.line = sbus}}, GetParam());
+    const LineStory story = story_of(kSbus2, {.sender = {.line = sbus}});
     EXPECT_EQ(story.sound, LineSound::unknown) << story.protocol << " at " << story.line.baud;
 }
 
@@ -203,7 +228,7 @@ TEST_P(LineJudgeAtAPort, takes_noise_for_nothing_known) {
 
 /// As FTDI adapters report it: an error in a packet counts for all its bytes, and their values are
 /// lost.
-TEST(LineJudge, hears_a_low_line_where_the_port_tells_breaks_only) {
+TEST_P(RecordedLine, hears_a_low_line_where_the_port_tells_breaks_only) {
     auto heard =
         heard_of(on_a_wire(recorded(kSbus2), {.sender = {.line = kSbusLine, .inverted = true}}),
                  kLumpsWaitingForIdle);
@@ -218,7 +243,7 @@ TEST(LineJudge, hears_a_low_line_where_the_port_tells_breaks_only) {
 }
 
 /// Some adapters report neither parity nor framing errors.
-TEST(LineJudge, knows_inverted_sbus_where_the_port_tells_no_errors) {
+TEST_P(RecordedLine, knows_inverted_sbus_where_the_port_tells_no_errors) {
     auto heard =
         heard_of(on_a_wire(recorded(kSbus2), {.sender = {.line = kSbusLine, .inverted = true}}),
                  kLumpsWaitingForIdle);
@@ -232,7 +257,7 @@ TEST(LineJudge, knows_inverted_sbus_where_the_port_tells_no_errors) {
     EXPECT_EQ(story.protocol, "sbus");
 }
 
-TEST(LineJudge, finds_requests_on_a_wire_that_carries_ibus_too) {
+TEST_P(RecordedLine, finds_requests_on_a_wire_that_carries_ibus_too) {
     Recording both = recorded(kIbus14[0]);
     const Recording sensors = recorded(kSensorBuses[0]);
     both.bursts.insert(both.bursts.end(), sensors.bursts.begin(), sensors.bursts.end());
@@ -243,7 +268,7 @@ TEST(LineJudge, finds_requests_on_a_wire_that_carries_ibus_too) {
     EXPECT_GT(story.requests, 40U);
 }
 
-TEST(LineJudge, counts_bytes_of_no_frame) {
+TEST_P(RecordedLine, counts_bytes_of_no_frame) {
     auto heard = heard_of(on_a_wire(recorded(kIbus18), ibus_sent()), {});
     heard[0].bursts[1000].damaged[0] = true;
     const LineStory story = judge_line(heard);

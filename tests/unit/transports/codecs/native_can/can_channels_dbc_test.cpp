@@ -1,4 +1,4 @@
-#include "tests/support/captures.h"
+#include "tests/support/vectors.h"
 #include "transports/codecs/native_can/channels_dbc.h"
 
 #include <gtest/gtest.h>
@@ -51,11 +51,7 @@ TEST(NativeDbc, TheShippedFileIsWhatTheCodecSays) {
 
 class ProposedDbc : public testing::Test {
   protected:
-    void SetUp() override {
-        const fs::path path = test::capture("native.dbc");
-        ASSERT_TRUE(fs::exists(path)) << test::kNoCaptures;
-        proposed_ = content_of(path);
-    }
+    void SetUp() override { proposed_ = content_of(test::vector_file("native.dbc")); }
 
     std::string proposed_;
 };
