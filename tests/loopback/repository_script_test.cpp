@@ -13,8 +13,8 @@ namespace {
 Ended repository_script(const std::string& before, const std::string& arguments) {
     return run_in_shell(
         "folder=$(mktemp -d); cd \"$folder\"; export GNUPGHOME=\"$folder/gnupg\"; "
-        "mkdir -m 700 gnupg; " +
-        before + "; sh '" TRIBUS_SOURCE_DIR "/deploy/repository.sh' " + arguments +
+        "mkdir -m 700 gnupg\n" +
+        before + "\nsh '" TRIBUS_SOURCE_DIR "/deploy/repository.sh' " + arguments +
         "; status=$?; gpgconf --kill all 2>/dev/null; cd /; rm -r \"$folder\"; "
         "exit $status");
 }
