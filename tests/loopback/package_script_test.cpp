@@ -63,18 +63,18 @@ TEST(ReleaseScript, ItsHelpBeginsWithTheChoices) {
 /// Installs a package that is missing, with an apt-get that says of `update` what a shell's text
 /// does. Nothing sleeps.
 Ended installed_where_update(const std::string& text) {
-    return run_in_shell("set -e; folder=$(mktemp -d); export folder; cd '" TRIBUS_SOURCE_DIR
-                        "'; "
-                        "put() { { echo '#!/bin/sh'; cat; } >$folder/$1; chmod 755 $folder/$1; }; "
-                        "put apt-get <<'END'\n"
-                        "[ \"$2\" = update ] || { echo apt-get $*; exit; }\n"
-                        "echo . >>$folder/updates; updates=$(wc -l <$folder/updates)\n" +
-                        text +
-                        "\nEND\nput sudo <<'END'\nexec \"$@\"\nEND\n"
-                        "put sleep </dev/null; echo exit 1 | put dpkg-query; "
-                        "( PATH=$folder:$PATH; . deploy/prepare.sh; install_packages hello ) && "
-                        "status=0 || status=$?; "
-                        "rm -r $folder; exit $status");
+    return run_in_shell(
+        "folder=$(mktemp -d); export folder; cd '" TRIBUS_SOURCE_DIR
+        "'; "
+        "put() { { echo '#!/bin/sh'; cat; } >$folder/$1; chmod 755 $folder/$1; }; "
+        "put apt-get <<'END'\n"
+        "[ \"$2\" = update ] || { echo apt-get $*; exit; }\n"
+        "echo . >>$folder/updates; updates=$(wc -l <$folder/updates)\n" +
+        text +
+        "\nEND\nput sudo <<'END'\nexec \"$@\"\nEND\n"
+        "put sleep </dev/null; echo exit 1 | put dpkg-query; "
+        "PATH=$folder:$PATH sh -c '. deploy/prepare.sh; install_packages hello'; status=$?; "
+        "rm -r $folder; exit $status");
 }
 
 constexpr const char* kLocked =
@@ -88,6 +88,7 @@ TEST(InstallPackages, WaitsForAnotherProgramThatUsesApt) {
     const std::string waits =
         "Waiting for another program that uses apt: E: Could not get lock "
         "/var/lib/apt/lists/lock. It is held by process 7 (apt-get)\n";
+    EXPECT_NE(ended.output.find(waits), std::string::npos) << ended.output;
     EXPECT_EQ(ended.output.find(waits), ended.output.rfind("Waiting")) << "once: " << ended.output;
     EXPECT_NE(ended.output.find("apt-get -q -o DPkg::Lock::Timeout=600 install --yes "
                                 "--no-install-recommends hello\n"),
