@@ -207,5 +207,5 @@ rm -rf dists.old
 [ ! -e dists ] || mv dists dists.old
 mv dists.new dists
 rm -rf dists.old
-echo "$folder is signed by $fingerprint. Copy all of it to a web server; docs/service.md," \
-    "\"A repository\", shows how a board uses it." >&2
+echo "$folder is signed by $fingerprint. Copy all of it to a web server;" \
+    "docs/service.md, \"From a repository\", shows how a board uses it." >&2

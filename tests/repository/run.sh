@@ -2,9 +2,10 @@
 # Installs tribus from an apt repository in fresh roots of Debian, as docs/service.md shows, and tries
 # what a repository is for: upgrades, and that nothing is installed that somebody changed on the way.
 #
-#   tests/repository/run.sh [bookworm] [trixie]      both, if none is named
+#   tests/repository/run.sh [bookworm|trixie|PACKAGE...]     both releases, if none is named
 #
-# Makes the packages of this processor (deploy/package.sh). Needs root or sudo, and Debian's archive.
+# Makes the packages of this processor (deploy/package.sh), or takes a PACKAGE of that, for the release
+# that it is for. Needs root or sudo, and Debian's archive.
 cd "$(dirname "$0")/../.."
 . deploy/prepare.sh
 
@@ -21,8 +22,9 @@ fail() {
 make_root() {
     packed=$work/$1.tar
     if [ ! -e "$packed" ] || [ -n "$(find "$packed" -mtime +7)" ]; then
-        as_root mmdebstrap --quiet --variant=apt --include=ca-certificates "$1" "$packed.new" >&2
-        as_root mv "$packed.new" "$packed"
+        as_root rm -rf "$packed" "$work/new.tar"
+        as_root mmdebstrap --quiet --variant=apt --include=ca-certificates "$1" "$work/new.tar" >&2
+        as_root mv "$work/new.tar" "$packed"
     fi
     as_root rm -rf "$work/root"
     as_root mkdir "$work/root"
@@ -91,6 +93,22 @@ END
     expect "tribus"
 }
 
+# Before 0.3.0 a drop-in for a virtual joystick named no group.
+name_old_drop_ins() {
+    in_root <<'END' || fail "$release: an upgrade from 0.2.0 failed: $(tail -n 5 "$work/said")"
+drop_ins=/etc/systemd/system/tribus@pad.service.d
+mkdir -p $drop_ins
+printf '[Service]\nDeviceAllow=/dev/uinput rw\n' >$drop_ins/old.conf
+printf '[Service]\nDeviceAllow=/dev/uinput rw\nSupplementaryGroups=uinput\n' >$drop_ins/new.conf
+/var/lib/dpkg/info/tribus.postinst configure 0.2.0
+/var/lib/dpkg/info/tribus.postinst configure 0.3.0
+rm -r $drop_ins
+END
+    expect "old.conf needs a line SupplementaryGroups=uinput"
+    [ "$(grep -c "SupplementaryGroups" "$work/said")" = 1 ] ||
+        fail "$release: an upgrade names another drop-in too: $(cat "$work/said")"
+}
+
 upgrade() {
     next=99.0.0
     case $version in *+*) next=$next+${version#*+} ;; esac
@@ -149,8 +167,8 @@ refuse_what_was_changed() {
     sed -i 's/^Label: tribus/Label: tribut/' "$work/tribus/dists/$release/InRelease"
     rm "$work/tribus/dists/$release/Release" "$work/tribus/dists/$release/Release.gpg"
     refused "a release file that was changed" "is not signed"
-    gpg --batch --quiet --passphrase '' --quick-generate-key stranger ed25519 sign never
-    deploy/repository.sh "$work/tribus" --key stranger "$package_of_release" 2>/dev/null
+    gpg --batch --quiet --passphrase '' --quick-generate-key "stranger $release" ed25519 sign never
+    deploy/repository.sh "$work/tribus" --key "stranger $release" "$package_of_release" 2>/dev/null
     refused "a repository of another key" "is not signed"
     in_root <<END || fail "$release: the good repository is refused: $(tail -n 5 "$work/said")"
 apt-get -q update
@@ -168,11 +186,15 @@ trap 'gpgconf --kill all; rm -rf "$GNUPGHOME"' EXIT
 [ $# -gt 0 ] || set -- bookworm trixie
 rm -rf "$work/tribus"
 for release in "$@"; do
-    package_of_release=$(deploy/package.sh --release "$release" --no-trial)
+    case $release in
+        *+deb13_*.deb) package_of_release=$release release=trixie ;;
+        *.deb) package_of_release=$release release=bookworm ;;
+        *) package_of_release=$(deploy/package.sh --release "$release" --no-trial) ;;
+    esac
     deploy/repository.sh "$work/tribus" "$package_of_release"
     version=$(dpkg-deb -f "$package_of_release" Version)
     make_root "$release"
-    for each in install_as_the_page_says upgrade purge refuse_what_was_changed; do
+    for each in install_as_the_page_says name_old_drop_ins upgrade purge refuse_what_was_changed; do
         echo "$release: $(echo $each | tr _ ' ')" >&2
         $each
     done
