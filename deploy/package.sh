@@ -15,7 +15,8 @@ Raspberry Pi Zero 2, but not a Pi 1 or Zero.
 
 --tests also builds the tests and runs them there, in a board those of the first tier. --no-trial
 only makes the package.
-Two packages of one commit are the same bytes; SOURCE_DATE_EPOCH is by default the commit's time."
+Two packages of one commit are the same bytes; SOURCE_DATE_EPOCH is by default the commit's time, and
+DEBFULLNAME and DEBEMAIL, who answers for the package, its author's name and address."
 
 # Those that need no tools but their libraries.
 test_suites="unit_tests property_tests sim_tests loopback_tests"
@@ -35,10 +36,10 @@ fail() {
     exit 1
 }
 
-# Time of the files in the package: that of the commit, without git that of the changelog's entry.
+# Time of the files in the package: that of the commit, without git that of the latest version.
 commit_seconds() {
     git log -1 --format=%ct 2>/dev/null ||
-        dpkg-parsechangelog -l deploy/debian/changelog -S Timestamp
+        date --utc --date="$(sed -n '/^## \[[0-9]/{s/.* - //p;q}' CHANGELOG.md)" +%s
 }
 
 cross_compiler() {
@@ -173,7 +174,11 @@ with_ports=$with_tests
 
 # From the caller, where this script runs in the root of another release.
 SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(commit_seconds)}
-export SOURCE_DATE_EPOCH
+maintainer=$(deploy/debian/maintainer.sh)
+DEBFULLNAME=${maintainer% <*}
+DEBEMAIL=${maintainer##*<}
+DEBEMAIL=${DEBEMAIL%>}
+export SOURCE_DATE_EPOCH DEBFULLNAME DEBEMAIL
 base=${TRIBUS_PACKAGE_BASE:-build}
 if [ "$base" = build ]; then
     [ "$wanted" = "$own" ] || base=$base-$wanted
@@ -189,7 +194,8 @@ root=$base/root
 if [ "$release" != "$own_release" ]; then
     make_root
     [ $with_tests = OFF ] || set -- --tests
-    in_root env TRIBUS_PACKAGE_BASE="$base" SOURCE_DATE_EPOCH="$SOURCE_DATE_EPOCH" CI="${CI:-}" \
+    in_root env TRIBUS_PACKAGE_BASE="$base" SOURCE_DATE_EPOCH="$SOURCE_DATE_EPOCH" \
+        DEBFULLNAME="$DEBFULLNAME" DEBEMAIL="$DEBEMAIL" CI="${CI:-}" \
         deploy/package.sh "$wanted" --no-trial "$@" >&2
 else
     build_here

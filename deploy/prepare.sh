@@ -11,7 +11,8 @@ build_packages="ca-certificates cmake g++ ninja-build pkg-config $build_librarie
 package_packages="dpkg-dev file gzip lintian"
 # Packages that the tests need.
 test_libraries="libgmock-dev libgtest-dev librapidcheck-dev"
-test_packages="$test_libraries groff-base python3 python3-canmatrix python3-jsonschema sigrok-cli systemd tshark"
+test_packages="$test_libraries apt-utils gpg gpg-agent groff-base python3 python3-canmatrix
+    python3-jsonschema sigrok-cli systemd tshark"
 # Packages that count instructions (tests/bench), on this processor and on an emulated one.
 bench_packages="g++-aarch64-linux-gnu qemu-user strace valgrind"
 # Packages of the laboratory (tests/lab): an emulator, and programs of the host for its guests.
@@ -19,7 +20,10 @@ lab_packages="can-utils cpio iproute2 kmod mount qemu-system-data qemu-system-x8
 # Its full tier builds kernel modules and the package; its service tier installs that on a Debian.
 lab_full_packages="bc evtest gcc-12 libelf1 libsdl2-2.0-0 make mmdebstrap zstd $package_packages"
 lab_service_packages="e2fsprogs genext2fs mmdebstrap $package_packages"
-# Packages for its guests with the processors of boards (tests/lab/prepare_board.sh).
+# Packages that make an apt repository (deploy/repository.sh), and a root that installs from it.
+repository_packages="apt-utils dpkg-dev gpg gpg-agent"
+repository_test_packages="mmdebstrap $repository_packages $package_packages"
+# Packages for the laboratory's guests with the processors of boards (tests/lab/prepare_board.sh).
 board_packages="binutils cpio device-tree-compiler kmod mmdebstrap qemu-system-arm"
 
 as_root() {
@@ -28,6 +32,28 @@ as_root() {
     else
         sudo "$@"
     fi
+}
+
+# So long may another program keep apt or dpkg locked, such as the daily upgrade of a machine.
+lock_seconds=600
+
+# update_package_lists: apt waits for the lock of dpkg by itself, but not for that of its lists.
+update_package_lists() {
+    waited=0
+    until said=$(as_root env LC_ALL=C apt-get -q update 2>&1); do
+        case $said in
+            *"Could not get lock"*) ;;
+            *) waited=$lock_seconds ;;
+        esac
+        [ "$waited" -lt $lock_seconds ] || {
+            echo "$said" >&2
+            return 1
+        }
+        [ "$waited" -gt 0 ] || echo "Waiting for another program that uses apt: $said" >&2
+        waited=$((waited + 5))
+        sleep 5
+    done
+    echo "$said" >&2
 }
 
 # install_packages NAME...: installs those that are missing.
@@ -39,10 +65,11 @@ install_packages() {
     done
     [ -n "$missing" ] || return 0
     echo "Installing Debian packages:$missing" >&2
-    as_root apt-get -q update >&2
+    update_package_lists || return 1
     # shellcheck disable=SC2086 # a list of words
     as_root env DEBIAN_FRONTEND=noninteractive \
-        apt-get -q install --yes --no-install-recommends $missing >&2
+        apt-get -q -o DPkg::Lock::Timeout=$lock_seconds \
+        install --yes --no-install-recommends $missing >&2
 }
 
 # Number of compilers that may run at once: one for each processor and for each 1.4 GiB of memory.

@@ -38,8 +38,8 @@ lay_out() {
 # package_sh FOLDER OPTION...: prints the path of the package.
 package_sh() (
     cd "$1" && shift &&
-        SOURCE_DATE_EPOCH=$commit_seconds deploy/package.sh "${package%-*}" \
-            --release "${package#*-}" "$@"
+        SOURCE_DATE_EPOCH=$commit_seconds DEBFULLNAME=$name DEBEMAIL=$mail \
+            deploy/package.sh "${package%-*}" --release "${package#*-}" "$@"
 )
 
 # file_of FOLDER: the package's path there.
@@ -159,6 +159,8 @@ done
 install_packages git
 commit=$(git rev-parse HEAD)
 commit_seconds=$(git log -1 --format=%ct)
+name=${DEBFULLNAME:-$(git log -1 --format=%an)}
+mail=${DEBEMAIL:-$(git log -1 --format=%ae)}
 version=$(git show HEAD:CMakeLists.txt | sed -n 's/^project(tribus VERSION \([0-9.]*\).*/\1/p')
 results=$place/$version
 done=$place/done/$commit

@@ -6,7 +6,8 @@
 #   tests/run.sh --group GROUP...      groups of the laboratory (docs/laboratory.md), such as lab_can,
 #                                      or suites, such as sim_tests.NeverStale
 #
-# Parts, in this order: first page peers fleet laboratory service tidy addresses threads simulation fuzz mutations.
+# Parts, in this order: first page peers fleet laboratory service repository tidy addresses threads simulation fuzz
+# mutations.
 # All of them take some hours. A part that fails does not stop the others. At the end a table says
 # what ran, when, for how long, with which result and of which commit; build/proofs keeps it.
 cd "$(dirname "$0")/.."
@@ -83,6 +84,7 @@ part() {
         fleet) build_programs && tests/fleet/run.sh ;;
         laboratory) laboratory full 'all second_tier' --label-regex 'lab_fast|lab_full|long' ;;
         service) laboratory service 'all second_tier' --label-regex lab_service ;;
+        repository) tests/repository/run.sh ;;
         tidy) .ci/clang_tidy ;;
         addresses | threads) tests/sanitize.sh "$1" ;;
         simulation) tests/sim/run.sh 200 ;;
@@ -95,7 +97,7 @@ part() {
     esac
 }
 
-all_parts="first page peers fleet laboratory service tidy addresses threads simulation fuzz mutations"
+all_parts="first page peers fleet laboratory service repository tidy addresses threads simulation fuzz mutations"
 case ${1:-} in
     --all)
         shift

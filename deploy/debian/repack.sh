@@ -1,16 +1,27 @@
 #!/bin/sh
-# Packs a package anew, so that it is the same bytes wherever it is made. CPack leaves folders the
-# permissions of the umask, and counts them with the size that they have on this file system.
+# Packs a package anew, so that it is the same bytes wherever it is made, with a changelog in
+# Debian's form. CPack leaves folders the permissions of the umask, and counts them with the size
+# that they have on this file system.
 #   deploy/debian/repack.sh PACKAGE
 # With SOURCE_DATE_EPOCH no file in it is newer than that.
 set -eu
 umask 022
+here=$(cd "$(dirname "$0")" && pwd)
 package=$1
 unpacked=$(mktemp -d)
 trap 'rm -rf "$unpacked"' EXIT
 # mktemp makes a folder of this user only.
 chmod 755 "$unpacked"
 dpkg-deb --raw-extract "$package" "$unpacked"
+field() {
+    sed -n "s/^$1: //p" "$unpacked/DEBIAN/control"
+}
+pages=usr/share/doc/$(field Package)
+if [ -e "$unpacked/$pages/CHANGELOG.md" ]; then
+    "$here/changelog.sh" "$unpacked/$pages/CHANGELOG.md" "$(field Version)" "$(field Maintainer)" |
+        gzip -9n >"$unpacked/$pages/changelog.gz"
+    (cd "$unpacked" && md5sum "$pages/changelog.gz" >>DEBIAN/md5sums)
+fi
 find "$unpacked" -type d -exec chmod 755 {} +
 # As dpkg-gencontrol counts: each file in whole KiB, and one for whatever else it is.
 kib=$(find "$unpacked" -mindepth 1 -path "$unpacked/DEBIAN" -prune -o -printf '%y %s\n' |

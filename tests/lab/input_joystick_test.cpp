@@ -159,7 +159,7 @@ TEST_F(LabJoystick, SaysWhoMayMakeOne) {
         "timeout 5 " TRIBUS_PROGRAM " run " +
         file);
     EXPECT_NE(result.output.find("this user may not use it; the package's udev rule gives it to "
-                                 "the group tribus"),
+                                 "the group uinput"),
               std::string::npos)
         << result.output;
 }

@@ -92,7 +92,7 @@ prepare_kernel() {
 
 unpack_kernel() {
     # A list of packages that is older than the archive names files that are gone.
-    as_root apt-get -q update >&2
+    update_package_lists
     # Not installed: it would take the place of the package busybox.
     download "$(package_behind "$1")" busybox-static
     unpack_packages
@@ -218,7 +218,7 @@ prepare_systemd() {
     say "making a Debian with systemd"
     rm -f "$disk.new.ext2"
     as_root mmdebstrap --quiet --variant=minbase \
-        --include=systemd,systemd-sysv,udev,kmod,iproute2,libgpiod2,libmosquitto1,libstdc++6,procps \
+        --include=systemd,systemd-sysv,udev,kmod,iproute2,libgpiod2,libmosquitto1,libnettle8,libstdc++6,procps \
         --dpkgopt='path-exclude=/usr/share/doc/*' --dpkgopt='path-exclude=/usr/share/man/*' \
         --dpkgopt='path-exclude=/usr/share/locale/*' \
         --customize-hook='rm "$1/etc/dpkg/dpkg.cfg.d/99mmdebstrap"' \

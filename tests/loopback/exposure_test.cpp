@@ -23,18 +23,23 @@ std::string source_text(const std::string& file) {
     return text_of_file(std::filesystem::path(TRIBUS_SOURCE_DIR) / file);
 }
 
-/// The drop-in of a section: its first block of code that is a unit file.
+/// The drop-in of a section: all blocks of code in it that are unit files.
 std::string drop_in(const std::string& heading) {
     const std::string page = source_text(kPage);
+    const std::string title = "\n## " + heading + "\n";
+    const std::size_t section = page.find(title);
+    const std::size_t end = page.find("\n## ", section + title.size());
     const std::string begin = "```ini\n";
-    const std::size_t section = page.find("\n## " + heading + "\n");
-    const std::size_t block = page.find(begin, section);
-    if (section == std::string::npos || block == std::string::npos) {
-        ADD_FAILURE() << kPage << " has no drop-in in \"" << heading << "\"";
-        return {};
+    std::string text;
+    for (std::size_t block = page.find(begin, section); block < end;
+         block = page.find(begin, block)) {
+        block += begin.size();
+        text += page.substr(block, page.find("```", block) - block);
     }
-    const std::size_t first = block + begin.size();
-    return page.substr(first, page.find("```", first) - first);
+    if (section == std::string::npos || text.empty()) {
+        ADD_FAILURE() << kPage << " has no drop-in in \"" << heading << "\"";
+    }
+    return text;
 }
 
 class Exposure : public testing::Test {

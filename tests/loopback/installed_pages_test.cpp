@@ -86,6 +86,26 @@ TEST_F(InstalledPages, link_to_what_is_installed) {
     EXPECT_GT(count, 100U);
 }
 
+TEST_F(InstalledPages, begin_with_a_readme_that_names_no_script_of_the_sources) {
+    static const std::regex script(R"((^|[^\w/])(deploy|tests|build|app|\.ci)/[a-z]\S*)");
+    const std::string installed = text_of_file(root() / "usr/share/doc/tribus/README.md");
+    std::smatch match;
+    EXPECT_FALSE(std::regex_search(installed, match, script))
+        << match.str() << " is not installed; deploy/installed-readme.sed has to take it out";
+    EXPECT_TRUE(std::regex_search(text_of_file(readme()), script)) << "what is taken out";
+    // All sections stay, those whose commands are others too.
+    EXPECT_EQ(headings_in(installed), headings_in(text_of_file(readme())));
+    EXPECT_NE(installed.find("\ntribus demo "), std::string::npos);
+    EXPECT_NE(installed.find("\nsudo systemctl enable --now tribus@servos "), std::string::npos);
+    EXPECT_EQ(installed.find("sudo apt install"), std::string::npos) << "it is installed";
+}
+
+TEST_F(InstalledPages, have_no_links_to_the_host_of_the_sources) {
+    const std::string changes = text_of_file(root() / "usr/share/doc/tribus/CHANGELOG.md");
+    EXPECT_EQ(changes.find("/compare/"), std::string::npos);
+    EXPECT_NE(changes.find("\n## [0.2.0] - 2026-11-28\n"), std::string::npos);
+}
+
 /// Paths of the package that a text names.
 std::vector<std::string> paths_in(const std::string& text) {
     static const std::regex form(R"(/usr/(share|lib)/[A-Za-z0-9_.@/-]*tribus[A-Za-z0-9_.@/-]*)");

@@ -60,6 +60,55 @@ TEST(ReleaseScript, ItsHelpBeginsWithTheChoices) {
               "Usage: deploy/release.sh [--twice] [--tests] [PACKAGE...]");
 }
 
+/// Installs a package that is missing, with an apt-get that says of `update` what a shell's text
+/// does. Nothing sleeps.
+Ended installed_where_update(const std::string& text) {
+    return run_in_shell(
+        "folder=$(mktemp -d); export folder; cd '" TRIBUS_SOURCE_DIR
+        "'; "
+        "put() { { echo '#!/bin/sh'; cat; } >$folder/$1; chmod 755 $folder/$1; }; "
+        "put apt-get <<'END'\n"
+        "[ \"$2\" = update ] || { echo apt-get $*; exit; }\n"
+        "echo . >>$folder/updates; updates=$(wc -l <$folder/updates)\n" +
+        text +
+        "\nEND\nput sudo <<'END'\nexec \"$@\"\nEND\n"
+        "put sleep </dev/null; echo exit 1 | put dpkg-query; "
+        "PATH=$folder:$PATH sh -c '. deploy/prepare.sh; install_packages hello'; status=$?; "
+        "rm -r $folder; exit $status");
+}
+
+constexpr const char* kLocked =
+    "echo 'E: Could not get lock /var/lib/apt/lists/lock. It is held by process 7 (apt-get)'; "
+    "exit 100";
+
+TEST(InstallPackages, WaitsForAnotherProgramThatUsesApt) {
+    const Ended ended =
+        installed_where_update(std::string("[ $updates -gt 3 ] || { ") + kLocked + "; }");
+    EXPECT_EQ(ended.status, 0) << ended.output;
+    const std::string waits =
+        "Waiting for another program that uses apt: E: Could not get lock "
+        "/var/lib/apt/lists/lock. It is held by process 7 (apt-get)\n";
+    EXPECT_NE(ended.output.find(waits), std::string::npos) << ended.output;
+    EXPECT_EQ(ended.output.find(waits), ended.output.rfind("Waiting")) << "once: " << ended.output;
+    EXPECT_NE(ended.output.find("apt-get -q -o DPkg::Lock::Timeout=600 install --yes "
+                                "--no-install-recommends hello\n"),
+              std::string::npos)
+        << ended.output;
+}
+
+TEST(InstallPackages, SaysWhoKeepsAptLockedForTooLong) {
+    const Ended ended = installed_where_update(kLocked);
+    EXPECT_NE(ended.status, 0);
+    EXPECT_NE(ended.output.rfind("\nE: Could not get lock"), std::string::npos) << ended.output;
+    EXPECT_EQ(ended.output.find("apt-get -q"), std::string::npos) << "it installs nothing";
+}
+
+TEST(InstallPackages, DoesNotWaitWhereAptFailsForAnotherReason) {
+    const Ended ended = installed_where_update("echo 'E: no net'; exit 100");
+    EXPECT_NE(ended.status, 0);
+    EXPECT_EQ(ended.output, "Installing Debian packages: hello\nE: no net\n");
+}
+
 /// A package as CPack makes it with this umask, whose folders have this size.
 std::string packed(const std::string& name, const std::string& umask, int folder_kib) {
     return "mkdir " + name + "; (umask " + umask + "; mkdir -p " + name + "/DEBIAN " + name +
@@ -70,6 +119,52 @@ std::string packed(const std::string& name, const std::string& umask, int folder
            "/DEBIAN/control; chmod 644 " + name + "/DEBIAN/control); chmod 755 " + name +
            "/DEBIAN; " + "dpkg-deb -Zgzip --root-owner-group -b " + name + " " + name +
            ".deb >/dev/null; ";
+}
+
+TEST(Repack, HasAChangelogOfTheVersionsOfChangelogMd) {
+    if (run_in_shell("dpkg-deb --version && gzip --version").status != 0) {
+        GTEST_SKIP() << "a guest with the processor of a board has no dpkg-deb";
+    }
+    const std::string pages = "one/usr/share/doc/one/";
+    const Ended ended = run_in_shell(
+        "set -e; folder=$(mktemp -d); cd \"$folder\"; export SOURCE_DATE_EPOCH=1000000000; "
+        "mkdir -p one/DEBIAN " +
+        pages +
+        "; chmod 755 one/DEBIAN; touch one/DEBIAN/md5sums; "
+        "printf '## [Unreleased]\n\n- a\n\n## [1.1.0] - 2026-11-28\n\n## [1.0.0] - 2026-11-22\n' "
+        ">" +
+        pages +
+        "CHANGELOG.md; for version in 1.2.0+deb13 1.1.0; do "
+        "printf \"Package: one\nVersion: $version\nArchitecture: all\nInstalled-Size: 1\n"
+        "Maintainer: A B <a@b.c>\nDescription: one\n\" >one/DEBIAN/control; "
+        "dpkg-deb --root-owner-group -b one one.deb >/dev/null; "
+        "'" TRIBUS_SOURCE_DIR
+        "/deploy/debian/repack.sh' one.deb; rm -rf out; "
+        "dpkg-deb -R one.deb out; zcat out/usr/share/doc/one/changelog.gz | grep -v '^$\\|\\*'; "
+        "(cd out && md5sum --check --quiet DEBIAN/md5sums); done; rm -r \"$folder\"");
+    EXPECT_EQ(ended.status, 0);
+    const std::string releases =
+        " -- A B <a@b.c>  Sat, 28 Nov 2026 00:00:00 +0000\n"
+        "tribus (1.0.0) stable; urgency=medium\n"
+        " -- A B <a@b.c>  Sun, 22 Nov 2026 00:00:00 +0000\n";
+    EXPECT_EQ(ended.output,
+              "tribus (1.2.0+deb13) UNRELEASED; urgency=medium\n"
+              " -- A B <a@b.c>  Sun, 09 Sep 2001 01:46:40 +0000\n"
+              "tribus (1.1.0) stable; urgency=medium\n" +
+                  releases + "tribus (1.1.0) stable; urgency=medium\n" + releases);
+}
+
+TEST(Maintainer, IsWhoMakesThePackageElseTheAuthorOfTheCommit) {
+    const std::string script = "'" TRIBUS_SOURCE_DIR "/deploy/debian/maintainer.sh'";
+    EXPECT_EQ(run_in_shell("DEBFULLNAME='A B' DEBEMAIL=a@b.c " + script).output, "A B <a@b.c>\n");
+    const Ended author = run_in_shell("git -C '" TRIBUS_SOURCE_DIR "' log -1 --format='%an <%ae>'");
+    const Ended nobody = run_in_shell("unset DEBFULLNAME DEBEMAIL; " + script);
+    if (author.status == 0) {
+        EXPECT_EQ(nobody.output, author.output);
+    } else {
+        EXPECT_EQ(nobody.status, 1);
+        EXPECT_NE(nobody.output.find("set DEBFULLNAME and DEBEMAIL"), std::string::npos);
+    }
 }
 
 TEST(Repack, MakesTheSameBytesWhateverTheUmaskAndTheFileSystem) {

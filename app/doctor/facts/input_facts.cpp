@@ -182,8 +182,8 @@ std::vector<Finding> judge_uinput(const UinputFacts& facts, bool asked_for) {
              for_group
                  ? fmt::format("It belongs to the group {}. Join it, then log in again:", group)
                  : std::string("It belongs to root only. The package has a rule of udev that "
-                               "gives it to the group tribus: KERNEL==\"uinput\", "
-                               "SUBSYSTEM==\"misc\", GROUP=\"tribus\", MODE=\"0660\""),
+                               "gives it to the group uinput: KERNEL==\"uinput\", "
+                               "SUBSYSTEM==\"misc\", GROUP=\"uinput\", MODE=\"0660\""),
              for_group ? std::vector<std::string>{fmt::format("sudo usermod -aG {} $USER", group)}
                        : std::vector<std::string>{}}};
 }

@@ -33,7 +33,7 @@ std::string uinput_problem(int error) {
         case EACCES:
         case EPERM:
             return "this user may not use it; the package's udev rule gives it to the group "
-                   "tribus: join the group, and for the service see "
+                   "uinput: join the group, and for the service see "
                    "/usr/share/doc/tribus/docs/service.md, \"Joysticks in the service\"";
         default:
             return std::strerror(error);

@@ -153,9 +153,9 @@ TEST_F(OtherEnds, OfVirtualJoysticksNeedTheModuleAndTheGroup) {
         << "most machines need none";
     tree_.write("dev/uinput", "");
     EXPECT_EQ(judge_uinput(look_at_uinput(files()), true).size(), 0U);
-    const auto group = judge_uinput({.access = {.exists = true, .group = "tribus"}}, true);
+    const auto group = judge_uinput({.access = {.exists = true, .group = "uinput"}}, true);
     ASSERT_EQ(ids(group), (Ids{"uinput.permission"}));
-    EXPECT_EQ(group[0].commands, (Ids{"sudo usermod -aG tribus $USER"}));
+    EXPECT_EQ(group[0].commands, (Ids{"sudo usermod -aG uinput $USER"}));
 }
 
 TEST_F(OtherEnds, OfServosAreChipsWithWhatTheirOutputsDo) {

@@ -1,0 +1,111 @@
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/shell.h"
+
+/// deploy/repository.sh: what it refuses, and the repository that it makes. tests/repository/run.sh
+/// installs from one.
+namespace tribus::test::repository_script_test {
+namespace {
+
+/// deploy/repository.sh in an empty folder, with an empty keyring.
+Ended repository_script(const std::string& before, const std::string& arguments) {
+    return run_in_shell(
+        "folder=$(mktemp -d); cd \"$folder\"; export GNUPGHOME=\"$folder/gnupg\"; "
+        "mkdir -m 700 gnupg\n" +
+        before + "\nsh '" TRIBUS_SOURCE_DIR "/deploy/repository.sh' " + arguments +
+        "; status=$?; gpgconf --kill all 2>/dev/null; cd /; rm -r \"$folder\"; "
+        "exit $status");
+}
+
+/// Makes FILE, a package of these fields.
+std::string make_package(const std::string& file, const std::string& name,
+                         const std::string& version, const std::string& processor = "amd64") {
+    return "mkdir -p d/DEBIAN d/usr/bin; chmod 755 d/DEBIAN; echo " + version +
+           " >d/usr/bin/one; printf 'Package: " + name + "\nVersion: " + version +
+           "\nArchitecture: " + processor +
+           "\nMaintainer: A B <a@b.c>\nDescription: one\n' >d/DEBIAN/control; "
+           "dpkg-deb --root-owner-group -b d " +
+           file + " >/dev/null; ";
+}
+
+class RepositoryScript : public testing::Test {
+  protected:
+    void SetUp() override {
+        if (run_in_shell("dpkg-deb --version; gpg --version && apt-ftparchive --version").status !=
+            0) {
+            GTEST_SKIP() << "needs gpg and apt-ftparchive (apt-utils)";
+        }
+    }
+};
+
+TEST_F(RepositoryScript, SaysWhatIsMissing) {
+    EXPECT_EQ(repository_script("", "").output,
+              "deploy/repository.sh: needs a folder; --help says more\n");
+    EXPECT_EQ(repository_script("", "").status, 2);
+    EXPECT_EQ(repository_script("", "new --kye k").output,
+              "deploy/repository.sh: knows no option --kye; --help says more\n");
+    EXPECT_EQ(repository_script("mkdir full; touch full/file; touch a.deb", "full a.deb")
+                      .output.find("/full has files, and is no repository: name a new folder\n") ==
+                  std::string::npos,
+              false);
+    const auto says = [](const std::string& before, const std::string& arguments,
+                         const std::string& words) {
+        const Ended ended = repository_script(before, arguments);
+        EXPECT_EQ(ended.status, 1);
+        EXPECT_NE(ended.output.find(words), std::string::npos) << ended.output;
+    };
+    says("", "new none.deb", "/none.deb: there is no such file\n");
+    says("echo >a.deb", "new a.deb", "/a.deb is no Debian package\n");
+    says(make_package("a.deb", "other", "1"), "new a.deb",
+         "/a.deb is the package other, not tribus\n");
+    says(make_package("a.deb", "tribus", "1+deb14"), "new a.deb",
+         "/a.deb is for none of these releases: bookworm trixie\n");
+    says(make_package("a.deb", "tribus", "1", "riscv64"), "new a.deb",
+         "/a.deb is for riscv64, not for one of: amd64 arm64 armhf\n");
+    says(make_package("a.deb", "tribus", "1"), "new --key nobody a.deb",
+         "your keyring has no secret key nobody; gpg --list-secret-keys lists those that it has\n");
+}
+
+TEST_F(RepositoryScript, MakesTheSameBytesOfTheSamePackagesAndTakesNewerOnes) {
+    const std::string again = "sh '" TRIBUS_SOURCE_DIR "/deploy/repository.sh' ";
+    const Ended ended = repository_script(
+        make_package("tribus_1_amd64.deb", "tribus", "1") + "cp tribus_1_amd64.deb old.deb; " +
+            make_package("tribus_1+deb13_arm64.deb", "tribus", "1+deb13", "arm64") + again +
+            "first tribus_1_amd64.deb tribus_1+deb13_arm64.deb && cp -r first second && " + again +
+            "second second/pool/bookworm/tribus_1_amd64.deb && diff -r first second && echo "
+            "same; " +
+            make_package("tribus_2_amd64.deb", "tribus", "2") + again +
+            "first tribus_2_amd64.deb && grep -h ^Version first/dists/*/main/*/Packages && "
+            "gpgv --keyring ./first/tribus-archive-keyring.gpg first/dists/trixie/InRelease && "
+            "sed -n 's/^Architectures/&/p' first/dists/bookworm/Release; " +
+            make_package("tribus_1_amd64.deb", "tribus", "1+changed"),
+        "first tribus_1_amd64.deb");
+    const std::string& said = ended.output;
+    EXPECT_NE(said.find("same\n"), std::string::npos) << said;
+    EXPECT_NE(said.find("Version: 1\nVersion: 2\nVersion: 1+deb13\n"), std::string::npos) << said;
+    EXPECT_NE(said.find("Good signature from \"tribus archive "), std::string::npos) << said;
+    EXPECT_NE(said.find("Architectures: amd64 arm64 armhf\n"), std::string::npos) << said;
+    EXPECT_EQ(ended.status, 1) << said;
+    EXPECT_NE(said.find("the repository has another tribus_1_amd64.deb: a changed package needs a "
+                        "new version\n"),
+              std::string::npos)
+        << said;
+}
+
+TEST_F(RepositoryScript, KeepsItsKeyAndSaysWhereThatIsMissing) {
+    const Ended ended = repository_script(make_package("tribus_1_amd64.deb", "tribus", "1") +
+                                              "sh '" TRIBUS_SOURCE_DIR
+                                              "/deploy/repository.sh' new tribus_1_amd64.deb; "
+                                              "gpgconf --kill all; rm -r gnupg; mkdir -m 700 gnupg",
+                                          "new tribus_1_amd64.deb");
+    EXPECT_EQ(ended.status, 1);
+    EXPECT_NE(ended.output.find("whose secret part your keyring does not have: gpg --import it, or "
+                                "name another by --key\n"),
+              std::string::npos)
+        << ended.output;
+}
+
+}  // namespace
+}  // namespace tribus::test::repository_script_test

@@ -1,0 +1,123 @@
+#include <algorithm>
+#include <filesystem>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "app/doctor/facts/input_facts.h"
+#include "tests/support/pages.h"
+
+/// Who may open which device: the package's udev rules, its groups, its units, and the pages that
+/// say it.
+namespace tribus::test::rights_test {
+namespace {
+
+std::string source_text(const std::string& file) {
+    return text_of_file(std::filesystem::path(TRIBUS_SOURCE_DIR) / file);
+}
+
+std::string first_match(const std::string& text, const std::string& form) {
+    std::smatch match;
+    return std::regex_search(text, match, std::regex(form)) ? match.str(1) : std::string();
+}
+
+/// A rule of udev that gives devices to a group.
+struct Rule {
+    std::string devices;  ///< "gpiochip*", or the subsystem where it names no device
+    std::string group;
+    std::string text;
+};
+
+std::vector<Rule> rules() {
+    std::istringstream lines(source_text("deploy/udev/60-tribus.rules"));
+    std::vector<Rule> found;
+    for (std::string line; std::getline(lines, line);) {
+        const std::string group = first_match(line, "GROUP=\"([^\"]+)\"");
+        if (!line.starts_with("#") && !group.empty()) {
+            const std::string kernel = first_match(line, "KERNEL==\"([^\"]+)\"");
+            found.push_back({kernel.empty() ? first_match(line, "SUBSYSTEM==\"([^\"]+)\"") : kernel,
+                             group, line});
+        }
+    }
+    return found;
+}
+
+/// Groups of a unit's processes, without drop-ins.
+std::set<std::string> groups_of(const std::string& unit) {
+    std::istringstream lines(source_text("deploy/systemd/" + unit));
+    std::set<std::string> groups;
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream words(first_match(line, "^(?:Group|SupplementaryGroups)=(.*)$"));
+        for (std::string word; words >> word;) {
+            groups.insert(word);
+        }
+    }
+    return groups;
+}
+
+/// The lines of a page, which is where a table has its rows, that have all of these words.
+bool has_row(const std::string& page, const std::vector<std::string>& words) {
+    std::istringstream lines(source_text(page));
+    for (std::string line; std::getline(lines, line);) {
+        if (line.starts_with("|") && std::ranges::all_of(words, [&](const std::string& word) {
+                return line.find(word) != std::string::npos;
+            })) {
+            return true;
+        }
+    }
+    return false;
+}
+
+TEST(Rights, OfEachRuleHaveAGroupThatThePackageMakes) {
+    const std::string made = source_text("deploy/sysusers/tribus.conf");
+    ASSERT_GE(rules().size(), 5U);
+    for (const Rule& rule : rules()) {
+        const std::regex line("(^|\n)[ug] " + rule.group + " ");
+        EXPECT_TRUE(std::regex_search(made, line)) << rule.text;
+    }
+}
+
+TEST(Rights, OfEachRuleStandInTheTablesOfServiceAndSecurity) {
+    for (const Rule& rule : rules()) {
+        const std::string group = "`" + rule.group + "`";
+        EXPECT_TRUE(has_row("docs/service.md", {"/dev/" + rule.devices, group})) << rule.text;
+        EXPECT_TRUE(has_row("docs/security.md", {"| group " + group})) << rule.text;
+    }
+    EXPECT_TRUE(has_row("docs/security.md", {"| group `gpio`", "GPIO", "PWM", "SPI"}));
+    EXPECT_TRUE(has_row("docs/security.md", {"| group `uinput`", "keyboard"}));
+}
+
+TEST(Rights, ToAVirtualKeyboardAreOfAGroupThatNoUnitHas) {
+    const auto all = rules();
+    const auto uinput = std::ranges::find(all, "uinput", &Rule::devices);
+    ASSERT_NE(uinput, all.end());
+    for (const Rule& other : all) {
+        EXPECT_TRUE(other.devices == "uinput" || other.group != uinput->group) << other.text;
+    }
+    ASSERT_TRUE(groups_of("tribus@.service").contains("gpio"));
+    for (const char* unit : {"tribus@.service", "tribus-ports@.service", "tribus-web.service"}) {
+        EXPECT_FALSE(groups_of(unit).contains(uinput->group)) << unit;
+    }
+    EXPECT_NE(source_text("docs/service.md")
+                  .find("DeviceAllow=/dev/uinput rw\nSupplementaryGroups=" + uinput->group + "\n"),
+              std::string::npos)
+        << "the drop-in for a joystick";
+}
+
+TEST(Rights, ToAVirtualJoystickAreSaidByDoctorAsTheRuleGivesThem) {
+    const auto findings = doctor::judge_uinput({.access = {.exists = true, .group = "root"}}, true);
+    ASSERT_EQ(findings.size(), 1U);
+    const auto all = rules();
+    const auto uinput = std::ranges::find(all, "uinput", &Rule::devices);
+    ASSERT_NE(uinput, all.end());
+    const std::string given = uinput->text.substr(0, uinput->text.find(", OPTIONS"));
+    EXPECT_NE(findings[0].fix.find(given), std::string::npos) << findings[0].fix;
+    EXPECT_NE(findings[0].fix.find("group " + uinput->group + ":"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace tribus::test::rights_test
