@@ -30,7 +30,7 @@ and the rest are tables in it. A complete one:
 ```toml
 [input.receiver]
 protocol = "ibus"
-device   = "/dev/ttyAMA2"
+device   = "/dev/ttyAMA5"
 
 [output.servos]
 protocol = "sbus"

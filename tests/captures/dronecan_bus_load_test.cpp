@@ -27,7 +27,7 @@ class BusLoadOfARecordedReceiver : public testing::TestWithParam<test::Capture> 
     /// Returns the load in each whole second in which the receiver sends.
     std::map<std::chrono::seconds::rep, Second> seconds(const std::string& lines) {
         folder_.write("bus.toml",
-                      "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"/dev/ttyAMA2\"\n"
+                      "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"/dev/ttyAMA5\"\n"
                       "[output.bus]\nprotocol = \"dronecan\"\ninterface = \"can0\"\n"
                       "node_id = 42\nschedule = \"grid\"\n" +
                           lines + "[pipeline.main]\nfrom = \"receiver\"\nto = \"bus\"\n");

@@ -74,7 +74,7 @@ class DbcExampleRuns : public Loopback, public testing::WithParamInterface<DbcEx
         const std::string& name = GetParam().name;
         std::filesystem::copy_file(examples / (name + ".dbc"), folder() / (name + ".dbc"));
         std::string text = read_file(examples / (name + ".toml"));
-        text = replaced(text, "\"/dev/ttyAMA2\"", "\"" + receiver_.path() + "\"");
+        text = replaced(text, "\"/dev/ttyAMA5\"", "\"" + receiver_.path() + "\"");
         text = replaced(text, "\"/dev/ttyAMA3\"", "\"" + wire_.path() + "\"");
         text = replaced(text, "\"can0\"", "\"vcan0\"");
         text = replaced(text, "\"can1\"", "\"vcan1\"");

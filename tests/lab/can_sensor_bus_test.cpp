@@ -75,7 +75,7 @@ class SensorBusExample : public Loopback {
                                       "reply_within = \"3ms\"\n\n"}});
     }
     Program& run_probes(const FarEnd& wire, const std::string& interface) {
-        return run_example("probes", {{"/dev/ttyAMA5", wire.path()},
+        return run_example("probes", {{"/dev/ttyAMA4", wire.path()},
                                       {"\"can0\"", "\"" + interface + "\""},
                                       {"\"receiver\"\n\n", "\"receiver\"\ndrop_after = 20\n\n"}});
     }

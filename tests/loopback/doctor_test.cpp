@@ -137,7 +137,7 @@ TEST_F(Doctor, WithoutDevicesLooksAtTheMachineAndOpensNothing) {
 }
 
 TEST_F(Doctor, RefusesTimesThatAreNone) {
-    Program& program = start({"doctor", "/dev/ttyAMA2", "--for", "0s"});
+    Program& program = start({"doctor", "/dev/ttyAMA5", "--for", "0s"});
     EXPECT_EQ(program.end(), 2);
     EXPECT_TRUE(has(program.errors(), "--for \"0s\": must be a time from 1s to 60s"))
         << program.errors();

@@ -129,12 +129,12 @@ TEST_F(Init, PrintsInsteadOfWriting) {
 
 TEST_F(Init, TakesSeveralInputsAndOutputs) {
     Program& program =
-        init({file(), "--in", "/dev/ttyAMA2=ibus", "--in", "/dev/ttyAMA4=sbus", "--out",
+        init({file(), "--in", "/dev/ttyAMA5=ibus", "--in", "/dev/ttyAMA4=sbus", "--out",
               "/dev/ttyAMA3", "--out", "tribus-no-can", "--out", "can1=dronecan", "--listen", "0"});
     // A name that nothing has is accepted only with a protocol of CAN.
     EXPECT_EQ(program.end(), 1) << program.errors();
     Program& named =
-        init({"--in", "/dev/ttyAMA2=ibus", "--in", "/dev/ttyAMA4=sbus", "--out", "/dev/ttyAMA3",
+        init({"--in", "/dev/ttyAMA5=ibus", "--in", "/dev/ttyAMA4=sbus", "--out", "/dev/ttyAMA3",
               "--out", "can0=can", "--out", "can1=dronecan", "--listen", "0", file()});
     EXPECT_EQ(named.end(), 0) << named.errors();
     EXPECT_TRUE(has(written(), "from = [\"receiver\", \"receiver2\"]\n")) << written();
@@ -145,7 +145,7 @@ TEST_F(Init, TakesSeveralInputsAndOutputs) {
 TEST_F(Init, DoesNotReplaceAFileUnlessForced) {
     std::ofstream(file()) << "mine\n";
     const std::vector<std::string> arguments{
-        file(), "--in", "/dev/ttyAMA2=ibus", "--out", "/dev/ttyAMA3", "--listen", "0"};
+        file(), "--in", "/dev/ttyAMA5=ibus", "--out", "/dev/ttyAMA3", "--listen", "0"};
     Program& refused = init(arguments);
     EXPECT_EQ(refused.end(), 1);
     EXPECT_EQ(refused.errors(), "tribus: " + file() + " exists; --force replaces it\n");
@@ -182,14 +182,14 @@ TEST_F(Init, RefusesWrongUse) {
         std::string says;
     };
     const std::vector<Use> uses{
-        {{"--in", "/dev/ttyAMA2", "--out", "x", "--listen", "0"},
-         "the protocol must be named: --in /dev/ttyAMA2=ibus, --in /dev/ttyAMA2=sbus"},
+        {{"--in", "/dev/ttyAMA5", "--out", "x", "--listen", "0"},
+         "the protocol must be named: --in /dev/ttyAMA5=ibus, --in /dev/ttyAMA5=sbus"},
         {{"--in", "a", "--out", "b", "--listen", "90s"},
          "--listen \"90s\": must be a time from 1s"},
         {{"--in", "a=ibuz", "--out", "b"},
          "--in \"a=ibuz\": there is no protocol \"ibuz\"; did you mean"},
         {{"--in", "a", "--out", "b=dbc"}, "dbc needs the keys dbc and signals"},
-        {{"--in", "/dev/ttyAMA2=ibus", "--out", "/dev/ttyAMA2", "--listen", "0"},
+        {{"--in", "/dev/ttyAMA5=ibus", "--out", "/dev/ttyAMA5", "--listen", "0"},
          "a port has one rate and parity"},
         {{"--in", "can0=can", "--out", "can0=can", "--listen", "0"},
          "`tribus check` would refuse it: on \"can0\" the id 0x300"},
@@ -229,7 +229,7 @@ TEST_F(Init, WithoutATerminalAndOptionsNamesTheOptions) {
         EXPECT_FALSE(std::filesystem::exists(file()));
     };
     refused({file()});
-    refused({file(), "--in", "/dev/ttyAMA2=ibus", "--listen", "0"});
+    refused({file(), "--in", "/dev/ttyAMA5=ibus", "--listen", "0"});
 }
 
 TEST_F(Init, RefusesWhatCanNeverBeAPort) {

@@ -25,7 +25,7 @@ using Rows = std::vector<std::string>;
 constexpr const char* kClassic = R"(
 [input.receiver]
 protocol = "ibus"
-device = "/dev/ttyAMA2"
+device = "/dev/ttyAMA5"
 [output.bus]
 protocol = "can"
 interface = "can0"

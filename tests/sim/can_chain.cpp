@@ -10,7 +10,7 @@ namespace {
 std::string sender_configuration(const ChainSettings& settings) {
     return fmt::format(R"([input.receiver]
 protocol  = "ibus"
-device    = "/dev/ttyAMA2"
+device    = "/dev/ttyAMA5"
 [output.bus]
 protocol  = "{}"
 interface = "can0"

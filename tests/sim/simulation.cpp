@@ -41,7 +41,7 @@ Configuration configuration_of(const std::string& text) {
 std::string main_job(const std::string& output_lines) {
     return R"([input.receiver]
 protocol = "ibus"
-device   = "/dev/ttyAMA2"
+device   = "/dev/ttyAMA5"
 
 [output.servos]
 protocol = "sbus"

@@ -165,7 +165,7 @@ TEST(CanPorts, ASerialLineHasNoInterface) {
     EXPECT_EQ(
         mistakes_in(bus_job_with(9, "interface = \"/dev/ttyB\"")),
         (Lines{R"(t.toml:9:1: unknown key "interface" in [output.servos]; protocol "sbus" has )"
-               R"("device" instead: Serial device, such as "/dev/ttyAMA2" or a stable name under )"
+               R"("device" instead: Serial device, such as "/dev/ttyAMA5" or a stable name under )"
                R"(/dev/serial/by-id)" +
                other_places()}));
 }

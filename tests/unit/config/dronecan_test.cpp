@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::string_view kReceiver = R"([input.receiver]
 protocol = "ibus"
-device = "/dev/ttyAMA2"
+device = "/dev/ttyAMA5"
 
 [pipeline.main]
 from = "receiver"

@@ -8,9 +8,9 @@ namespace tribus::test::examples_test {
 namespace {
 
 TEST(Examples, AllAreValid) {
-    const auto files = example_files();
-    EXPECT_GE(files.size(), 10U);
-    for (const auto& file : files) {
+    const ExamplesWithKeys examples;
+    EXPECT_GE(examples.files().size(), 22U);
+    for (const auto& file : examples.files()) {
         EXPECT_EQ(mistakes_in(content_of(file), file.string()), std::vector<std::string>{}) << file;
     }
 }
@@ -22,7 +22,8 @@ TEST(Examples, NameTheSchemaForEditorsInTheirFirstLine) {
 }
 
 TEST(EffectiveConfiguration, IsValidInputThatMeansTheSame) {
-    for (const auto& file : example_files()) {
+    const ExamplesWithKeys examples;
+    for (const auto& file : examples.files()) {
         const auto first = load_configuration_file(file);
         ASSERT_TRUE(first) << file;
         const std::string text = effective_toml(*first);

@@ -41,7 +41,7 @@ TEST(Load, TenMistakesGiveTenPreciseLines) {
     const Lines expected{
         R"(f:2:12: "priority" is 100)",
         R"(f:5:12: "protocol" is "ibsu")",
-        R"(f:6:12: /dev/ttyAMA2 is not a valid value)",
+        R"(f:6:12: /dev/ttyAMA5 is not a valid value)",
         R"(f:7:12: "timeout" is 100)",
         R"(f:11:1: unknown key "devcie" in [output.servos])",
         R"(f:12:12: "period" is "5ms", shorter than readers of "sbus" can follow)",

@@ -71,7 +71,7 @@ channels = 18)",
      R"(t.toml:1:1: [input.receiver] lacks "protocol"; required: one of INPUTS)"},
     {"missing_device", 3, "",
      R"(t.toml:1:1: [input.receiver] lacks "device"; required: Serial device, such as )"
-     R"("/dev/ttyAMA2" or a stable name under /dev/serial/by-idOTHER_PLACES)"},
+     R"("/dev/ttyAMA5" or a stable name under /dev/serial/by-idOTHER_PLACES)"},
     {"empty_device", 3, R"(device = "")",
      R"(t.toml:3:10: "device" is ""; allowed: text in quotes, not empty)"},
     {"device_of_a_wrong_type", 3, "device = 3",

@@ -7,8 +7,8 @@ namespace tribus {
 inline constexpr Setting kDeviceSetting{
     .key = "device",
     .required = true,
-    .help = "Serial device, such as \"/dev/ttyAMA2\" or a stable name under /dev/serial/by-id",
-    .example = "\"/dev/ttyAMA2\""};
+    .help = "Serial device, such as \"/dev/ttyAMA5\" or a stable name under /dev/serial/by-id",
+    .example = "\"/dev/ttyAMA5\""};
 
 /// Serial ports: UARTs, USB adapters and ptys.
 extern const Medium kSerialMedium;

@@ -6,7 +6,7 @@ import { statusOf } from './status.mjs';
 const FILE = `# The boat: i.Bus in, SBUS out.
 [input.receiver]
 protocol = "ibus"
-device   = "/dev/ttyAMA2"
+device   = "/dev/ttyAMA5"
 timeout  = "100ms"
 
 [output.servos]

@@ -129,13 +129,13 @@ for (const cause of CAUSES) {
 }
 
 function boat(seconds) {
-    const receiver = input('receiver', 'ibus', '/dev/ttyAMA2', 14, seconds);
+    const receiver = input('receiver', 'ibus', '/dev/ttyAMA5', 14, seconds);
     return {
         inputs: [receiver],
         outputs: [output('servos', 'sbus', '/dev/ttyAMA3', ['receiver'], receiver)],
         pipelines: [{ name: 'main', from: ['receiver'], to: ['servos'] }],
         ports: [
-            { name: '/dev/ttyAMA2', kind: 'serial', present: true },
+            { name: '/dev/ttyAMA5', kind: 'serial', present: true },
             { name: '/dev/ttyAMA3', kind: 'serial', present: true },
         ],
         lines: [], sensor_buses: [], dronecan: [], values: [], missing_realtime: [],
@@ -145,12 +145,12 @@ function boat(seconds) {
 /** Three receivers of which one is outvoted, and everything else that a status can have. */
 function rover(seconds) {
     const inputs = [
-        input('left', 'ibus', '/dev/ttyAMA2', 14, seconds),
-        input('right', 'ibus', '/dev/ttyAMA3', 14, seconds),
+        input('left', 'ibus', '/dev/ttyAMA5', 14, seconds),
+        input('right', 'ibus', '/dev/ttyAMA2', 14, seconds),
         input('tail', 'sbus', '/dev/ttyAMA4', 16, 0),
     ];
     const names = inputs.map((one) => one.name);
-    const servos = output('servos', 'sbus', '/dev/ttyAMA5', names, inputs[0]);
+    const servos = output('servos', 'sbus', '/dev/ttyAMA3', names, inputs[0]);
     servos.outvoted = ['tail'];
     const can = { state: 'ready', received: 12_345, sent: 4321, confirmed: 4321, error_frames: 2,
         bus_offs: 0 };
@@ -167,7 +167,7 @@ function rover(seconds) {
         ],
         lines: [{ name: 'stop', line: 'GPIO5', present: true },
             { name: 'lamp', line: 'gpiochip0 7', present: false }],
-        sensor_buses: [{ name: 'telemetry', port: '/dev/ttyAMA2', role: 'receiver', collisions: 0,
+        sensor_buses: [{ name: 'telemetry', port: '/dev/ttyAMA4', role: 'receiver', collisions: 0,
             found: [{ address: 1, type: 'external_voltage', type_id: 3, bytes: 2 }],
             counts: { requests: 900, replies: 880, misses: 20, wrong: 0 } }],
         dronecan: [{ interface: 'can0', state: 'online', id: 42, sent: 1, received: 1, errors: 0,

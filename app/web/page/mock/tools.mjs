@@ -23,7 +23,7 @@ export function doctorReport(device) {
         machine: { model: 'Raspberry Pi 4', kernel: '6.18.44', realtime_kernel: false,
             governors: ['ondemand'], throttled: false, temperature: 51 },
         ports: [
-            port('/dev/ttyAMA2', [{ process: 812, command: 'tribus', unit: 'tribus@boat',
+            port('/dev/ttyAMA5', [{ process: 812, command: 'tribus', unit: 'tribus@boat',
                 login: false }], null),
             port('/dev/ttyAMA4', [], device === '/dev/ttyAMA4' ? heard : null),
         ],

@@ -31,7 +31,7 @@ LineStory heard(LineSound sound, std::string_view protocol, const LineSettings& 
 
 std::vector<std::string> ids(const LineStory& story) {
     std::vector<std::string> all;
-    for (const Finding& finding : judge_story(story, "/dev/ttyAMA2")) {
+    for (const Finding& finding : judge_story(story, "/dev/ttyAMA5")) {
         all.emplace_back(finding.id);
     }
     return all;
@@ -59,9 +59,9 @@ std::string mistakes_with(const std::vector<std::string>& lines) {
 
 TEST(DoctorsLines, of_ibus_are_three) {
     const LineStory story = heard(LineSound::frames, "ibus", kIbusLine);
-    const auto lines = configuration_lines(story, "/dev/ttyAMA2");
+    const auto lines = configuration_lines(story, "/dev/ttyAMA5");
     EXPECT_EQ(text_of(lines),
-              "[input.receiver]\nprotocol = \"ibus\"\ndevice   = \"/dev/ttyAMA2\"\n");
+              "[input.receiver]\nprotocol = \"ibus\"\ndevice   = \"/dev/ttyAMA5\"\n");
     EXPECT_EQ(mistakes_with(lines), "");
 }
 
@@ -78,7 +78,7 @@ TEST(DoctorsLines, of_fast_sbus_have_its_rate_and_the_scale) {
 TEST(DoctorsLines, of_a_slow_sender_have_a_longer_timeout) {
     LineStory story = heard(LineSound::frames, "sbus", kSbusLine);
     story.period = milliseconds(81);
-    const auto lines = configuration_lines(story, "/dev/ttyAMA2");
+    const auto lines = configuration_lines(story, "/dev/ttyAMA5");
     EXPECT_EQ(lines.back(), "timeout  = \"250ms\"");
     EXPECT_EQ(mistakes_with(lines), "");
 }
@@ -87,7 +87,7 @@ TEST(DoctorsLines, of_every_scale_are_valid) {
     for (const std::string_view scale : {"betaflight", "frsky", "futaba", "px4", "ardupilot"}) {
         LineStory story = heard(LineSound::frames, "sbus", kSbusLine);
         story.scale.name = scale;
-        EXPECT_EQ(mistakes_with(configuration_lines(story, "/dev/ttyAMA2")), "") << scale;
+        EXPECT_EQ(mistakes_with(configuration_lines(story, "/dev/ttyAMA5")), "") << scale;
     }
 }
 
@@ -99,7 +99,7 @@ TEST(DoctorsLines, of_a_sensor_bus_are_a_whole_configuration) {
 
 TEST(DoctorsLines, of_an_inverted_line_are_those_behind_the_inverter) {
     const auto lines =
-        configuration_lines(heard(LineSound::inverted, "sbus", kSbusLine), "/dev/ttyAMA2");
+        configuration_lines(heard(LineSound::inverted, "sbus", kSbusLine), "/dev/ttyAMA5");
     EXPECT_EQ(mistakes_with(lines), "");
 }
 

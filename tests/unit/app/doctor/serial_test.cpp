@@ -83,13 +83,13 @@ TEST_F(SerialPorts, pl011_reads_sbus_through_an_inverter_only) {
 }
 
 TEST_F(SerialPorts, driver_is_found_below_the_layers_of_linux_6_5) {
-    tree.port("ttyAMA2", "soc/fe201400.serial/fe201400.serial:0/fe201400.serial:0.0", "port");
+    tree.port("ttyAMA5", "soc/fe201400.serial/fe201400.serial:0/fe201400.serial:0.0", "port");
     tree.link("sys/devices/soc/fe201400.serial/fe201400.serial:0/fe201400.serial:0.0/subsystem",
               "sys/bus/serial-base");
     tree.link("sys/devices/soc/fe201400.serial/fe201400.serial:0/driver", "sys/bus/drivers/ctrl");
     tree.link("sys/devices/soc/fe201400.serial/fe201400.serial:0/subsystem", "sys/bus/serial-base");
     tree.link("sys/devices/soc/fe201400.serial/driver", "sys/bus/drivers/uart-pl011");
-    EXPECT_EQ(facts_of("/dev/ttyAMA2").driver, "uart-pl011");
+    EXPECT_EQ(facts_of("/dev/ttyAMA5").driver, "uart-pl011");
 }
 
 TEST_F(SerialPorts, mini_uart_has_no_parity) {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char* kConfig = R"([input.main]
 protocol = "ibus"
-device   = "/dev/ttyAMA2"
+device   = "/dev/ttyAMA5"
 [input.backup]
 protocol = "sbus"
 device   = "/dev/ttyAMA4"
@@ -37,7 +37,7 @@ TEST(Graph, HasABoxForEachPart) {
     const Graph drawn = graph();
     ASSERT_EQ(drawn.boxes.size(), 5U);
     EXPECT_EQ(drawn.boxes[0].title, "main");
-    EXPECT_EQ(drawn.boxes[0].lines[0], "ibus from /dev/ttyAMA2");
+    EXPECT_EQ(drawn.boxes[0].lines[0], "ibus from /dev/ttyAMA5");
     EXPECT_EQ(drawn.boxes[2].title, "car");
     EXPECT_EQ(drawn.boxes[3].column, GraphColumn::outputs);
     EXPECT_EQ(drawn.boxes[4].lines[0], "GPIO17 link");

@@ -15,7 +15,7 @@ using nlohmann::json;
 
 constexpr std::string_view kStatus = R"({"type":"status","name":"car","file":"/etc/car.toml",
 "uptime_us":5000000,"figures_age_us":40000,"missing_realtime":[],
-"inputs":[{"name":"main","protocol":"ibus","port":"/dev/ttyAMA2","state":"good","cause":"good",
+"inputs":[{"name":"main","protocol":"ibus","port":"/dev/ttyAMA5","state":"good","cause":"good",
 "rate_hz":142.8,"age_us":3000,"channels":[1100,1500,988.125],"rejected":{"checksum":2}},
 {"name":"backup","protocol":"sbus","port":"/dev/ttyUSB0","state":"failsafe",
 "cause":"wire_silent","state_age_us":12000000,"rate_hz":0,"age_us":null,"channels":[]}],

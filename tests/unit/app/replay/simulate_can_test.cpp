@@ -28,7 +28,7 @@ to = "servos"
 constexpr const char* kToCan = R"(
 [input.receiver]
 protocol = "ibus"
-device = "/dev/ttyAMA2"
+device = "/dev/ttyAMA5"
 [output.bus]
 protocol = "can"
 interface = "vcan3"

@@ -15,7 +15,7 @@ using nlohmann::json;
 
 constexpr std::string_view kConfig = R"([input.main]
 protocol = "ibus"
-device   = "/dev/ttyAMA2"
+device   = "/dev/ttyAMA5"
 [input.backup]
 protocol  = "can"
 interface = "can0"
@@ -50,7 +50,7 @@ class StatusJson : public testing::Test {
         report_.inputs[0].reject_causes = {"checksum", "damaged"};
         report_.outputs.resize(1);
         report_.outputs[0].inputs = {0, 1};
-        report_.ports = {{"/dev/ttyAMA2", true, {}},
+        report_.ports = {{"/dev/ttyAMA5", true, {}},
                          {"can0", false, CanLinkStatus{CanBusState::bus_off, {}}},
                          {"/dev/ttyAMA3", true, {}}};
         report_.sensor_buses.resize(1);
@@ -98,7 +98,7 @@ TEST_F(StatusJson, NamesTheCauseOfALostInputAndHowLongItIsSo) {
     const json main = told()["inputs"][0];
     EXPECT_EQ(main["name"], "main");
     EXPECT_EQ(main["protocol"], "ibus");
-    EXPECT_EQ(main["port"], "/dev/ttyAMA2");
+    EXPECT_EQ(main["port"], "/dev/ttyAMA5");
     EXPECT_EQ(main["state"], "failsafe");
     EXPECT_EQ(main["cause"], "radio_lost");
     EXPECT_EQ(main["sign"], "value_rule");
@@ -166,7 +166,7 @@ TEST_F(StatusJson, TellsFailsafeThatIsSaidFromFailsafeThatIsSilence) {
 
 TEST_F(StatusJson, TellsWhichPortIsGoneAndTheStateOfABus) {
     const json ports = told()["ports"];
-    EXPECT_EQ(ports[0].dump(), R"({"kind":"serial","name":"/dev/ttyAMA2","present":true})");
+    EXPECT_EQ(ports[0].dump(), R"({"kind":"serial","name":"/dev/ttyAMA5","present":true})");
     EXPECT_EQ(ports[1]["present"], false);
     EXPECT_EQ(ports[1]["can"]["state"], "gone") << "whatever it was before";
     report_.ports[1].present = true;

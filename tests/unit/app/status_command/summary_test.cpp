@@ -24,7 +24,7 @@ constexpr std::string_view kStatus = R"({"type":"status","version":1,"name":"car
 "outputs":[{"name":"servos","state":"control","obstacle":null,"input":"main",
 "failsafe_entries":3}],
 "ports":[{"name":"/dev/ttyUSB0","kind":"serial","present":false},
-{"name":"/dev/ttyAMA2","kind":"serial","present":true},
+{"name":"/dev/ttyAMA5","kind":"serial","present":true},
 {"name":"can0","kind":"can","present":true,"can":{"state":"bus_off","sent":7}}]})";
 
 class Summary : public testing::Test {
@@ -60,7 +60,7 @@ TEST_F(Summary, TellsWhatAScriptAsksFor) {
         R"("outputs":[{"name":"servos","state":"control","obstacle":null,"input":"main",)"
         R"("failsafe_entries":3}],)"
         R"("devices":[{"name":"/dev/ttyUSB0","state":"gone"},)"
-        R"({"name":"/dev/ttyAMA2","state":"there"},{"name":"can0","state":"bus_off"}],)"
+        R"({"name":"/dev/ttyAMA5","state":"there"},{"name":"can0","state":"bus_off"}],)"
         R"("gone":["/dev/ttyUSB0"]})");
 }
 
@@ -73,7 +73,7 @@ TEST_F(Summary, InWordsHasALineForEachPart) {
                "trial 4: goes back in 25.00 s unless confirmed",
                "input main: good, newest frame 3.0 ms old",
                "input backup: never_seen, no frame yet", "output servos: control from main",
-               "device /dev/ttyUSB0: gone", "device /dev/ttyAMA2: there", "device can0: bus_off"}));
+               "device /dev/ttyUSB0: gone", "device /dev/ttyAMA5: there", "device can0: bus_off"}));
 }
 
 /// The data thread hangs: its last figures say "good" and "control" for ever.

@@ -38,7 +38,7 @@ TEST(RecordingsPlace, IsWhatTheDaemonSays) {
 
 constexpr const char* kInput = R"([input.a]
 protocol = "ibus"
-device   = "/dev/ttyAMA2"
+device   = "/dev/ttyAMA5"
 [output.b]
 protocol = "sbus"
 device   = "/dev/ttyAMA3"

@@ -24,7 +24,7 @@ using nlohmann::json;
 
 constexpr std::string_view kConfiguration = R"([input.receiver]
 protocol = "ibus"
-device   = "/dev/ttyAMA2"
+device   = "/dev/ttyAMA5"
 timeout  = "100ms"
 [output.servos]
 protocol = "sbus"

@@ -332,7 +332,7 @@ TEST(ExBusTelemetry, AGapBehindARequestForgetsIt) {
 std::string mistake_in(std::string_view sensors, std::string_view more = "") {
     const auto loaded = load_configuration(
         "[values.supply]\nconstant = 12\n[output.jeti]\nprotocol = \"exbus-telemetry\"\n"
-        "device = \"/dev/ttyAMA2\"\n" +
+        "device = \"/dev/ttyAMA5\"\n" +
             std::string(more) + "sensors = " + std::string(sensors) + "\n",
         "test.toml");
     return loaded ? std::string() : loaded.error().front().text;

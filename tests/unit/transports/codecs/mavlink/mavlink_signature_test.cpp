@@ -234,6 +234,50 @@ TEST(MavlinkSignature, BeginsOnlyAsManyStreamsAsAreKept) {
     EXPECT_EQ(receiver.takes(signed_override(first, kStart + 1s)), 1U);
 }
 
+// A decoder of its own is a program that has started again: nothing is kept on a disk.
+
+TEST(MavlinkSignature, OfTheMinuteBeforeARestartCountsOnceMoreInItsOrder) {
+    const FixedClock clock(kDay, kStart);
+    MavlinkSigner sender(key(), 0);
+    sender.use_clock(clock);
+    const Bytes old = signed_override(sender, kStart - 61s);
+    const Bytes first = signed_override(sender, kStart - 50s);
+    const Bytes second = signed_override(sender, kStart - 40s);
+    Receiver before(&clock);
+    EXPECT_EQ(before.takes(first) + before.takes(second), 2U);
+    EXPECT_EQ(before.takes(first) + before.takes(second), 0U);
+    Receiver after(&clock);
+    EXPECT_EQ(after.takes(old), 0U);
+    EXPECT_EQ(after.refused("too_old"), 1U);
+    EXPECT_EQ(after.takes(first) + after.takes(second), 2U);
+    EXPECT_EQ(after.takes(first) + after.takes(second), 0U);
+}
+
+TEST(MavlinkSignature, OfBeforeARestartCountsNoMoreOnceTheSenderWasHeard) {
+    const FixedClock clock(kDay, kStart);
+    MavlinkSigner sender(key(), 0);
+    sender.use_clock(clock);
+    const Bytes recorded = signed_override(sender, kStart - 10s);
+    Receiver after(&clock);
+    EXPECT_EQ(after.takes(signed_override(sender, kStart)), 1U);
+    EXPECT_EQ(after.takes(recorded), 0U);
+    EXPECT_EQ(after.refused("replayed"), 1U);
+}
+
+TEST(MavlinkSignature, WithATimeAheadOfTheClockIsTaken) {
+    const FixedClock clock(kDay, kStart);
+    const FixedClock of_sender(kDay + 86400s, kStart);
+    MavlinkSigner ahead(key(), 0);
+    ahead.use_clock(of_sender);
+    const Bytes recorded = signed_override(ahead, kStart);
+    Receiver after(&clock);
+    EXPECT_EQ(after.takes(recorded), 1U);
+    MavlinkSigner corrected(key(), 0);
+    corrected.use_clock(clock);
+    EXPECT_EQ(after.takes(signed_override(corrected, kStart)), 0U);
+    EXPECT_EQ(after.refused("replayed"), 1U);
+}
+
 /// The time stamp of a message of `signer`.
 std::uint64_t stamp_of(MavlinkSigner& signer, Instant at) {
     const Bytes bytes = signed_override(signer, at);
