@@ -41,6 +41,12 @@ commit_seconds() {
         dpkg-parsechangelog -l deploy/debian/changelog -S Timestamp
 }
 
+# The commit, if these are its files.
+clean_commit() {
+    [ "$(git rev-parse --show-toplevel 2>/dev/null)" = "$(pwd -P)" ] || return 0
+    [ -n "$(git status --porcelain --untracked-files=no)" ] || git rev-parse HEAD
+}
+
 cross_compiler() {
     case $wanted in
         "$own") ;;
@@ -174,6 +180,9 @@ with_ports=$with_tests
 # From the caller, where this script runs in the root of another release.
 SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(commit_seconds)}
 export SOURCE_DATE_EPOCH
+# What the programs say of themselves, also where it is built without git (app/build_facts.cmake).
+TRIBUS_COMMIT=${TRIBUS_COMMIT:-$(clean_commit)}
+export TRIBUS_COMMIT
 base=${TRIBUS_PACKAGE_BASE:-build}
 if [ "$base" = build ]; then
     [ "$wanted" = "$own" ] || base=$base-$wanted
@@ -190,6 +199,7 @@ if [ "$release" != "$own_release" ]; then
     make_root
     [ $with_tests = OFF ] || set -- --tests
     in_root env TRIBUS_PACKAGE_BASE="$base" SOURCE_DATE_EPOCH="$SOURCE_DATE_EPOCH" CI="${CI:-}" \
+        TRIBUS_COMMIT="$TRIBUS_COMMIT" \
         deploy/package.sh "$wanted" --no-trial "$@" >&2
 else
     build_here
