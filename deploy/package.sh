@@ -42,6 +42,12 @@ commit_seconds() {
         date --utc --date="$(sed -n '/^## \[[0-9]/{s/.* - //p;q}' CHANGELOG.md)" +%s
 }
 
+# The commit, if these are its files.
+clean_commit() {
+    [ "$(git rev-parse --show-toplevel 2>/dev/null)" = "$(pwd -P)" ] || return 0
+    [ -n "$(git status --porcelain --untracked-files=no)" ] || git rev-parse HEAD
+}
+
 cross_compiler() {
     case $wanted in
         "$own") ;;
@@ -179,6 +185,9 @@ DEBFULLNAME=${maintainer% <*}
 DEBEMAIL=${maintainer##*<}
 DEBEMAIL=${DEBEMAIL%>}
 export SOURCE_DATE_EPOCH DEBFULLNAME DEBEMAIL
+# What the programs say of themselves, also where it is built without git (app/build_facts.cmake).
+TRIBUS_COMMIT=${TRIBUS_COMMIT:-$(clean_commit)}
+export TRIBUS_COMMIT
 base=${TRIBUS_PACKAGE_BASE:-build}
 if [ "$base" = build ]; then
     [ "$wanted" = "$own" ] || base=$base-$wanted
@@ -195,7 +204,7 @@ if [ "$release" != "$own_release" ]; then
     make_root
     [ $with_tests = OFF ] || set -- --tests
     in_root env TRIBUS_PACKAGE_BASE="$base" SOURCE_DATE_EPOCH="$SOURCE_DATE_EPOCH" \
-        DEBFULLNAME="$DEBFULLNAME" DEBEMAIL="$DEBEMAIL" CI="${CI:-}" \
+        DEBFULLNAME="$DEBFULLNAME" DEBEMAIL="$DEBEMAIL" CI="${CI:-}" TRIBUS_COMMIT="$TRIBUS_COMMIT" \
         deploy/package.sh "$wanted" --no-trial "$@" >&2
 else
     build_here

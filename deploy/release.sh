@@ -38,7 +38,7 @@ lay_out() {
 # package_sh FOLDER OPTION...: prints the path of the package.
 package_sh() (
     cd "$1" && shift &&
-        SOURCE_DATE_EPOCH=$commit_seconds DEBFULLNAME=$name DEBEMAIL=$mail \
+        SOURCE_DATE_EPOCH=$commit_seconds DEBFULLNAME=$name DEBEMAIL=$mail TRIBUS_COMMIT=$commit \
             deploy/package.sh "${package%-*}" --release "${package#*-}" "$@"
 )
 

@@ -199,27 +199,25 @@ int run_bench(const BenchOptions& options) {
     return report->broken.empty() ? kExitFine : kExitFailed;
 }
 
-constexpr const char* kFooter =
+constexpr const char* kNotes =
     "Each measurement is shown beside the same without tribus:\n"
-    "  latency   i.Bus frames of 18 channels through `tribus run` over pseudo-terminals, from\n"
-    "            the write to the read of the last byte, beside a relay that only waits, reads\n"
-    "            and writes, with the same priority. With --ports the frames are written on\n"
-    "            OUT, go over your wire (115200 baud, 2.8 ms) and come in on IN: until the\n"
-    "            engine writes its frame, beside a reader that only waits and reads.\n"
-    "  lateness  of an output with schedule \"grid\" against its deadline, beside a thread that\n"
-    "            only sleeps until absolute instants\n"
-    "  age       from the arrival of values to their first frame, for the schedules follow and\n"
-    "            grid locked, beside a writer that runs free\n"
+    "  latency   i.Bus frames of 18 channels through `tribus run` over pseudo-terminals, from the "
+    "write to the read of the last byte, beside a relay that only waits, reads and writes, with "
+    "the same priority. With --ports the frames are written on OUT, go over your wire (115200 "
+    "baud, 2.8 ms) and come in on IN: until the engine writes its frame, beside a reader that "
+    "only waits and reads.\n"
+    "  lateness  of an output with schedule \"grid\" against its deadline, beside a thread that "
+    "only sleeps until absolute instants\n"
+    "  age       from the arrival of values to their first frame, for the schedules follow and "
+    "grid locked, beside a writer that runs free\n"
     "  codecs    processor time for one frame of all channels\n"
     "  capacity  processor time a frame with 1 and 64 pipelines, beside the bare relay\n"
-    "  ppm       with --line: how far the pulses of a receiver whose sticks rest are from the\n"
-    "            middle of their channel, by the kernel's time stamps, beside the clock that a\n"
-    "            reader reads when it wakes\n"
-    "--require p99=200us: the latency of tribus, whole, as in the table; p50, p90 or p99.\n"
-    "With added- in front (added-p50=20us) it is what tribus adds: its percentile minus that\nof "
-    "the bare relay or reader.\n"
-    "Exit status: 0 fine, 1 not measured or a requirement does not hold, 2 wrong use, "
-    "130\ninterrupted.";
+    "  ppm       with --line: how far the pulses of a receiver whose sticks rest are from the "
+    "middle of their channel, by the kernel's time stamps, beside the clock that a reader reads "
+    "when it wakes\n"
+    "--require p99=200us: the latency of tribus, whole, as in the table; p50, p90 or p99. With "
+    "added- in front (added-p50=20us) it is what tribus adds: its percentile minus that of the "
+    "bare relay or reader.";
 
 }  // namespace
 
@@ -227,40 +225,46 @@ Command bench_command() {
     auto options = std::make_shared<BenchOptions>();
     return {
         .name = "bench",
-        .help = "Measure what tribus adds on this machine: latency, lateness, age, processor time",
-        .footer = kFooter,
+        .help = "Measure what tribus adds: latency, lateness, age, processor time",
+        .notes = kNotes,
         .options = {{.name = "--seconds",
                      .value = &options->seconds,
                      .help = "Time of all measurements together",
                      .shows_value = true,
-                     .range = {{0.5, 86400}}},
+                     .range = {{0.5, 86400}},
+                     .value_name = "SECONDS"},
                     {.name = "--ports",
                      .value = &options->ports,
-                     .help = "IN OUT: two real serial ports, TX of OUT connected to RX of IN",
-                     .type_name = "IN OUT",
+                     .help = "Two real serial ports, TX of OUT connected to RX of IN",
+                     .value_name = "IN OUT",
                      .count = 2},
                     {.name = "--line",
                      .value = &options->line,
                      .help = "GPIO line with the PPM of a receiver at rest, for ppm",
-                     .type_name = "LINE"},
+                     .value_name = "LINE"},
                     {.name = "--only",
                      .value = &options->only,
-                     .help = "latency,lateness,age,codecs,capacity,ppm: some of them",
-                     .type_name = "LIST",
+                     .help = "Some of latency,lateness,age,codecs,capacity,ppm",
+                     .value_name = "LIST",
                      .delimiter = ','},
                     {.name = "--require",
                      .value = &options->require,
-                     .help = "Fail if the latency is higher, such as p99=200us (repeatable)",
-                     .type_name = "PERCENTILE=TIME"},
+                     .help = "Fail if the latency is higher, such as p99=200us",
+                     .value_name = "PERCENTILE=TIME"},
                     {.name = "--plot",
                      .value = &options->plot,
                      .help = "Draw the distributions into this SVG file",
-                     .type_name = "FILE"},
+                     .value_name = "FILE"},
                     {.name = "--format",
                      .value = &options->format,
-                     .help = "text or json",
+                     .help = "json: one object",
                      .shows_value = true,
                      .choices = {"text", "json"}}},
+        .examples = {{"sudo tribus bench", "all of it, 20 s"},
+                     {"sudo tribus bench --only latency --seconds 5 --require p99=200us", ""},
+                     {"sudo tribus bench --ports /dev/ttyAMA2 /dev/ttyAMA3 --plot bench.svg", ""}},
+        .exits = {{kExitFailed, "not measured, or a requirement does not hold"},
+                  {kExitInterrupted, "interrupted"}},
         .run = [options] { return run_bench(*options); },
     };
 }

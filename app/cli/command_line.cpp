@@ -3,130 +3,50 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdio>
-#include <functional>
-#include <iterator>
+#include <exception>
 #include <memory>
+#include <span>
+#include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
-#include <tl/expected.hpp>
 
+#include "app/cli/complain.h"
+#include "app/cli/completion.h"
 #include "app/cli/exit_status.h"
-#include "config/language/mistakes.h"
-#include "core/quotes.h"
+#include "app/cli/help_text.h"
+#include "app/cli/streams.h"
+#include "app/cli/wrong_use.h"
 
 namespace tribus {
 namespace {
 
-constexpr std::size_t kColumns = 80;
-
-/// Continued lines of an option are indented to its text, others like their beginning.
-std::size_t indent_of(std::string_view line, std::size_t column_width) {
-    const std::size_t begin = std::min(line.find_first_not_of(' '), line.size());
-    constexpr std::size_t kOptionIndent = 2;
-    return begin == kOptionIndent ? column_width : begin;
-}
-
-/// Returns the start of the next line: behind a blank, or behind a comma if a list of choices in
-/// braces is too long for one line. npos: the line cannot be broken. `goes_on`: the line goes on
-/// with such a list.
-std::size_t next_line_of(const std::string& line, std::size_t indent, bool goes_on) {
-    const std::size_t blank = line.rfind(' ', kColumns);
-    const std::size_t word = line.find_last_not_of(' ', blank);
-    if (blank != std::string::npos && word != std::string::npos && word >= indent) {
-        return blank + 1;
-    }
-    const std::size_t comma = line.rfind(',', kColumns - 1);
-    const bool in_list = goes_on || line.find('{') < comma;
-    if (comma != std::string::npos && in_list && comma < line.find('}')) {
-        return comma + 1;
-    }
-    const std::size_t late = line.find(' ', kColumns);
-    return late == std::string::npos ? late : late + 1;
-}
-
-void append_broken(std::string& text, std::string line, std::size_t column_width) {
-    const std::size_t indent = indent_of(line, column_width);
-    bool goes_on = false;
-    while (line.size() > kColumns) {
-        const std::size_t next = next_line_of(line, indent, goes_on);
-        if (next == std::string::npos) {
-            break;
-        }
-        goes_on = line[next - 1] == ',';
-        text += line.substr(0, line[next - 1] == ' ' ? next - 1 : next) + '\n';
-        line = std::string(indent, ' ') + line.substr(next);
-    }
-    text += line;
-}
-
-/// Help that breaks lines at 80 columns: at blanks, and long lists of choices at commas.
-class HelpFormatter : public CLI::Formatter {
-  public:
-    std::string make_help(const CLI::App* app, std::string name,
-                          CLI::AppFormatMode mode) const override {
-        const std::string whole = CLI::Formatter::make_help(app, std::move(name), mode);
-        std::string text;
-        for (std::size_t begin = 0; begin < whole.size();) {
-            const std::size_t end = std::min(whole.find('\n', begin), whole.size());
-            append_broken(text, whole.substr(begin, end - begin), column_width_);
-            text += end < whole.size() ? "\n" : "";
-            begin = end + 1;
-        }
-        return text;
-    }
-};
-
-/// Number type of an option; for others the type of the value.
-template <class Value>
-struct NumberOf {
-    using Type = Value;
-};
-template <class Value>
-struct NumberOf<std::optional<Value>> {
-    using Type = Value;
-};
+using Words = std::vector<std::string_view>;
 
 template <class Value>
 CLI::Option* add_value(CLI::App& app, const CommandOption& option, Value* value) {
     if constexpr (std::is_same_v<Value, bool>) {
-        return app.add_flag(option.name, *value, option.help);
+        return app.add_flag(option.name, *value);
     } else {
-        CLI::Option* const added = app.add_option(option.name, *value, option.help);
-        using Number = typename NumberOf<Value>::Type;
-        if constexpr (std::is_arithmetic_v<Number>) {
-            if (option.range) {
-                added->check(CLI::Range(static_cast<Number>(option.range->first),
-                                        static_cast<Number>(option.range->second)));
-            }
-        }
-        return added;
+        return app.add_option(option.name, *value);
     }
 }
 
 CLI::Option* add_value(CLI::App& app, const CommandOption& option,
                        const std::function<void(const std::string&)>& take) {
-    return app.add_option_function<std::string>(option.name, take, option.help);
+    return app.add_option_function<std::string>(option.name, take);
 }
 
 void add_option(CLI::App& app, const CommandOption& option) {
     CLI::Option* const added =
         std::visit([&](const auto& value) { return add_value(app, option, value); }, option.value);
     added->required(option.required);
-    if (!option.choices.empty()) {
-        added->check(CLI::IsMember(option.choices));
-    }
-    if (!option.type_name.empty()) {
-        added->type_name(option.type_name);
-    }
-    if (option.shows_value) {
-        added->capture_default_str();
-    }
-    if (!option.default_text.empty()) {
-        added->default_str(option.default_text);
+    if (!option.flag()) {
+        added->check([option](const std::string& text) { return mistake_in_value(option, text); });
     }
     if (option.delimiter != 0) {
         added->delimiter(option.delimiter);
@@ -152,8 +72,8 @@ void join_options(CLI::App& app, const CommandOption& option) {
 
 /// Only a command that is `named` gets its options: those of all commands would take half of the
 /// time in which a program starts.
-void add_command(CLI::App& app, const Command& command, bool named) {
-    CLI::App* const added = app.add_subcommand(command.name, command.help);
+void add_command(CLI::App& app, Command& command, bool named) {
+    CLI::App* const added = app.add_subcommand(command.name);
     if (!named) {
         return;
     }
@@ -163,70 +83,153 @@ void add_command(CLI::App& app, const Command& command, bool named) {
     for (const CommandOption& option : command.options) {
         join_options(*added, option);
     }
-    added->footer(command.footer);
+    if (command.selected) {
+        for (const CommandOption& option : command.selected->of({})) {
+            add_option(*added, option);
+        }
+    }
 }
 
-/// CLI11 would only say that a subcommand is required.
-bool explain_unknown_command(std::span<const Command> commands, std::string_view word) {
-    if (word.starts_with('-') ||
-        std::ranges::find(commands, word, &Command::name) != commands.end()) {
-        return false;
-    }
-    std::vector<std::string_view> names;
-    std::ranges::transform(commands, std::back_inserter(names), &Command::name);
-    fmt::print(stderr, "tribus: {} is not a command; {}\n", in_quotes(word),
-               suggestion(word, names));
-    return true;
+/// The option that a message of CLI11 begins with; null if it begins with something else.
+const CommandOption* option_of(const Command& command, std::string_view message) {
+    const std::string_view name = message.substr(0, message.find_first_of(": "));
+    const auto found = std::ranges::find(command.options, name, &CommandOption::name);
+    return found == command.options.end() ? nullptr : &*found;
 }
 
-/// Sets the options of the command that the words name, and returns what it does. Instead, the exit
-/// status, if the words ask for help or cannot be used.
-tl::expected<std::function<int()>, int> read_command_line(std::span<Command> commands,
-                                                          std::string_view version, int argc,
-                                                          char** argv) {
-    CLI::App app{"tribus translates RC signals between i.Bus, SBUS and CAN", "tribus"};
-    app.formatter(std::make_shared<HelpFormatter>());
-    app.require_subcommand(1);
-    app.set_version_flag("--version", std::string(version));
-    const std::span words(argv, static_cast<std::size_t>(argc));
-    for (const Command& command : commands) {
-        const bool named =
-            std::ranges::find(words, std::string_view(command.name), [](const char* word) {
-                return std::string_view(word);
-            }) != words.end();
-        add_command(app, command, named);
+/// Turns what CLI11 found into a message in the words of this program. `command`: null if none is
+/// named.
+std::string mistake_text(const Program& program, const Command* command, const CLI::App& app,
+                         const CLI::ParseError& error) {
+    const std::vector<std::string> remaining = app.remaining(true);
+    const auto option = std::ranges::find_if(remaining, [](const std::string& word) {
+        return word.size() > 1 && word.front() == '-' && word != "--";
+    });
+    // The word behind an unknown option may have been taken for something else.
+    if (option != remaining.end()) {
+        return unknown_option(program, command, *option);
     }
-    if (argc <= 1) {
-        fmt::print(stderr, "{}", app.help());
-        return tl::unexpected(kExitWrongUse);
+    const std::string message = error.what();
+    if (command == nullptr) {
+        return missing_word(program, command, "COMMAND");
     }
-    if (explain_unknown_command(commands, argv[1])) {
-        return tl::unexpected(kExitWrongUse);
+    if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr && !remaining.empty()) {
+        return too_many_words(program, *command, remaining.front());
     }
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return tl::unexpected(app.exit(error) == 0 ? kExitFine : kExitWrongUse);
+    if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr) {
+        return missing_word(program, command, message.substr(0, message.find(' ')));
     }
-    const auto named = std::ranges::find_if(
-        commands, [&](const Command& command) { return app.got_subcommand(command.name); });
-    return std::move(named->run);
+    if (dynamic_cast<const CLI::ExcludesError*>(&error) != nullptr) {
+        const std::string_view between = " excludes ";
+        const std::size_t at = message.find(between);
+        return at == message.npos
+                   ? message
+                   : fmt::format("{} and {} do not go together", message.substr(0, at),
+                                 message.substr(at + between.size()));
+    }
+    const CommandOption* const wrong = option_of(*command, message);
+    if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr && wrong != nullptr) {
+        return wrong_count(*wrong, app.get_subcommand(command->name)->count(wrong->name));
+    }
+    return message;
+}
+
+/// Prints help, the version or a mistake. Returns the exit status.
+int end_early(const Program& program, const Command* command, const BuildFacts& built,
+              const CLI::App& app, const CLI::ParseError& error, const Words& words) {
+    if (dynamic_cast<const CLI::CallForVersion*>(&error) != nullptr) {
+        fmt::print("{}", version_text(program.name, built));
+        return kExitFine;
+    }
+    if (dynamic_cast<const CLI::CallForHelp*>(&error) == nullptr) {
+        fmt::print(stderr, "{}: {}\n", program.name, mistake_text(program, command, app, error));
+        return kExitWrongUse;
+    }
+    if (command == nullptr) {
+        fmt::print("{}", help_of(program));
+        return kExitFine;
+    }
+    const std::string_view value =
+        command->selected ? value_among(words, command->selected->by) : std::string_view();
+    const bool selects = !value.empty() && command->selected->knows(value);
+    fmt::print("{}",
+               selects ? help_of_selected(program, *command, value) : help_of(program, *command));
+    return kExitFine;
+}
+
+int run_words(const std::function<Program()>& make_program, const BuildFacts& built, int argc,
+              char** argv) {
+    Program program = make_program();
+    if (argc > 1 && argv[1] == kCompletionOption) {
+        fmt::print("{}", completion_text(complete(program, Words(argv + 2, argv + argc))));
+        return kExitFine;
+    }
+    const auto run = read_command_line(program, built, argc, argv);
+    // The daemon runs for months and locks its memory; these were a quarter of a megabyte.
+    program = {};
+    return run ? (*run)() : run.error();
 }
 
 }  // namespace
 
-int run_command_line(std::vector<Command> commands, std::string_view version, int argc,
-                     char** argv) {
-    const auto run = read_command_line(commands, version, argc, argv);
-    // The daemon runs for months and locks its memory; these were a quarter of a megabyte.
-    commands = {};
-    return run ? (*run)() : run.error();
+std::string_view value_among(const Words& words, std::string_view option) {
+    std::string_view value;
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        if (words[i] == option && i + 1 < words.size()) {
+            value = words[i + 1];
+        } else if (words[i].starts_with(option) &&
+                   words[i].substr(option.size()).starts_with('=')) {
+            value = words[i].substr(option.size() + 1);
+        }
+    }
+    return value;
 }
 
-std::string choices_type(std::string_view words) {
-    std::string text = "TEXT:{";
-    std::ranges::remove_copy(words, std::back_inserter(text), ' ');
-    return text + '}';
+tl::expected<std::function<int()>, int> read_command_line(Program& program, const BuildFacts& built,
+                                                          int argc, const char* const* argv) {
+    const Words words(argv + std::min(argc, 1), argv + argc);
+    if (words.empty()) {
+        fmt::print(stderr, "{}", help_of(program));
+        return tl::unexpected(kExitWrongUse);
+    }
+    const auto named = std::ranges::find(program.commands, words.front(), &Command::name);
+    if (named == program.commands.end() && !words.front().starts_with('-')) {
+        fmt::print(stderr, "{}: {}\n", program.name, unknown_command(program, words.front()));
+        return tl::unexpected(kExitWrongUse);
+    }
+    CLI::App app{"", program.name};
+    app.require_subcommand(1);
+    app.set_version_flag("-V,--version", std::string(built.version));
+    for (Command& command : program.commands) {
+        add_command(app, command, std::ranges::find(words, command.name) != words.end());
+    }
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        const auto got = std::ranges::find_if(program.commands, [&](const Command& command) {
+            return app.got_subcommand(command.name);
+        });
+        const Command* const command = got == program.commands.end() ? nullptr : &*got;
+        return tl::unexpected(end_early(program, command, built, app, error, words));
+    }
+    return std::move(std::ranges::find_if(program.commands, [&](const Command& command) {
+                         return app.got_subcommand(command.name);
+                     })->run);
+}
+
+int run_command_line(const std::function<Program()>& make_program, const BuildFacts& built,
+                     int argc, char** argv) {
+    hold_standard_streams();
+    int status = kExitFailed;
+    // Libraries throw when memory or standard output fails; our own code does not throw.
+    try {
+        status = run_words(make_program, built, argc, argv);
+    } catch (const std::exception& error) {
+        if (std::ferror(stdout) == 0) {
+            complain(error.what(), status);
+        }
+    }
+    return finish_standard_output(status);
 }
 
 }  // namespace tribus

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cerrno>
 #include <cstdio>
 #include <string_view>
 
@@ -7,9 +8,9 @@
 
 namespace tribus {
 
-/// Prints to standard error why a command failed. Returns the exit status.
+/// Prints to standard error why a command of this program failed. Returns the exit status.
 inline int complain(std::string_view text, int status) {
-    fmt::print(stderr, "tribus: {}\n", text);
+    fmt::print(stderr, "{}: {}\n", ::program_invocation_short_name, text);
     return status;
 }
 

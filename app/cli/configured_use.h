@@ -17,8 +17,8 @@ tl::expected<ProtocolUse, std::string> configured_use(const std::string& file_an
 
 /// Help text of `--as`.
 inline constexpr const char* kAsHelp =
-    "FILE:NAME: protocol and settings of that input or output of a configuration, instead of "
-    "--protocol and the rest";
+    "Protocol and settings of that input or output of a configuration, instead of --protocol and "
+    "the settings";
 
 /// Message for options that exclude `--as`.
 inline constexpr const char* kAsAlone =

@@ -36,4 +36,20 @@ tl::expected<ProtocolUse, std::string> serial_use(const std::string& protocol,
     return std::move(uses->front());
 }
 
+CommandOption line_protocol_option(std::string& protocol) {
+    return {.name = "--protocol",
+            .value = &protocol,
+            .help = "Protocol of a serial line, which sets rate, parity and stop bits: " +
+                    protocol_list(kSerialMedium),
+            .value_name = "PROTOCOL",
+            .offers = [] { return protocol_names_on(kSerialMedium); }};
+}
+
+CommandOption line_baud_option(std::string& baud) {
+    return {.name = "--baud",
+            .value = &baud,
+            .help = "Bit rate, if it is not the protocol's own",
+            .value_name = "NUMBER"};
+}
+
 }  // namespace tribus

@@ -5,6 +5,7 @@
 
 #include <tl/expected.hpp>
 
+#include "app/cli/command.h"
 #include "app/cli/protocol_use.h"
 
 /// Ports of `record` and `replay`.
@@ -17,5 +18,9 @@ bool is_device_path(std::string_view name);
 /// what is allowed.
 tl::expected<ProtocolUse, std::string> serial_use(const std::string& protocol,
                                                   const std::string& baud);
+
+/// `--protocol` and `--baud` of a command that opens a serial device.
+CommandOption line_protocol_option(std::string& protocol);
+CommandOption line_baud_option(std::string& baud);
 
 }  // namespace tribus

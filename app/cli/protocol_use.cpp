@@ -10,7 +10,6 @@
 #include <optional>
 #include <utility>
 
-#include "app/cli/command_line.h"
 #include "config/keys/words.h"
 #include "config/language/document.h"
 #include "config/language/mistakes.h"
@@ -114,20 +113,79 @@ std::string mistake_between(const Protocol& protocol, SettingScope direction,
     return fmt::format("--{}: {}", fmt::join(first.path, "."), first.text);
 }
 
-std::string choices_of(const Setting& setting) {
+/// Allowed words of a setting; empty if it allows anything else.
+std::vector<std::string> allowed_words(const Setting& setting) {
     if (setting.type == SettingType::boolean) {
-        return "true,false";
+        return {"true", "false"};
     }
-    return fmt::format("{}", fmt::join(setting.choices, ","));
+    return {setting.choices.begin(), setting.choices.end()};
 }
 
-/// Adds the choices of another protocol; no choices if one of them allows anything.
-void add_choices(std::string& choices, const std::string& more) {
-    if (choices.empty() || more.empty()) {
-        choices.clear();
-    } else if (choices != more) {
-        choices += "," + more;
+/// What help calls the value of a setting.
+std::string value_name_of(const Setting& setting) {
+    switch (setting.type) {
+        case SettingType::boolean:
+            return "true|false";
+        case SettingType::integer:
+        case SettingType::number:
+            return "NUMBER";
+        case SettingType::text:
+        case SettingType::choice:
+            return "NAME";
+        case SettingType::duration:
+            return "DURATION";
+        case SettingType::pulse:
+            return "MICROSECONDS";
+        case SettingType::pulses:
+            return "RANGE";
+        case SettingType::slew:
+            return "RATE";
+        case SettingType::scale:
+            return "SCALE";
+        case SettingType::file:
+        case SettingType::key_file:
+            return "FILE";
+        case SettingType::tree:
+            break;
     }
+    return "TABLE";
+}
+
+/// Whether the name of the value does not say what is allowed.
+bool has_limits(const Setting& setting) {
+    return !setting.choices.empty() || setting.least != 0 || setting.most != 0;
+}
+
+/// Words on the command line have no quotation marks.
+std::string without_quotes(std::string_view text) {
+    std::string plain(text);
+    std::erase(plain, '"');
+    return plain;
+}
+
+CommandOption option_of(const Setting& setting, GivenSettings& given) {
+    std::string help = without_backticks(help_with_default(setting));
+    if (has_limits(setting)) {
+        help += fmt::format(" ({})", without_quotes(allowed_values({setting})));
+    }
+    return {.name = fmt::format("--{}", setting.key),
+            .value = [&given, key = std::string(setting.key)](
+                         const std::string& text) { given.insert_or_assign(key, text); },
+            .help = std::move(help),
+            .value_name = value_name_of(setting),
+            .default_text = without_quotes(setting.fallback),
+            .offers = [words = allowed_words(setting)] { return words; }};
+}
+
+/// Adds what another protocol offers for the setting.
+void add_words(CommandOption& option, const Setting& setting) {
+    std::vector<std::string> all = option.offers();
+    for (std::string& word : allowed_words(setting)) {
+        if (std::ranges::find(all, word) == all.end()) {
+            all.push_back(std::move(word));
+        }
+    }
+    option.offers = [all = std::move(all)] { return all; };
 }
 
 }  // namespace
@@ -156,57 +214,64 @@ Duration usual_period(const ProtocolUse& use) {
     return own.value_or(protocol.default_period);
 }
 
-std::string protocol_list(const Medium& medium) {
-    std::vector<std::string_view> names;
+std::vector<std::string> protocol_names_on(const Medium& medium) {
+    std::vector<std::string> names;
     for (const Protocol* protocol : protocols()) {
         if (carries(medium, *protocol)) {
-            names.push_back(protocol->name);
+            names.emplace_back(protocol->name);
         }
     }
-    return fmt::format("{}", fmt::join(names, ", "));
+    return names;
+}
+
+std::string protocol_list(const Medium& medium) {
+    return fmt::format("{}", fmt::join(protocol_names_on(medium), ", "));
+}
+
+std::vector<std::string> protocol_names_for(SettingScope direction) {
+    const std::vector<std::string_view> names = known_protocols(direction);
+    return {names.begin(), names.end()};
 }
 
 std::string protocol_list(SettingScope direction) {
     return fmt::format("{}", fmt::join(known_protocols(direction), ", "));
 }
 
-std::vector<SettingOption> setting_options(SettingScope direction) {
-    std::vector<SettingOption> options;
-    for (const Protocol* protocol : protocols()) {
-        for (const Setting& setting : protocol->settings) {
+std::vector<CommandOption> setting_options(SettingScope direction, std::string_view protocol,
+                                           GivenSettings& given) {
+    const Protocol* const named = find_protocol(protocol);
+    std::vector<CommandOption> options;
+    for (const Protocol* known : protocols()) {
+        if (named != nullptr && known != named) {
+            continue;
+        }
+        for (const Setting& setting : known->settings) {
             if (!applies(setting, direction)) {
                 continue;
             }
-            const std::string help = fmt::format("{}: {} ({})", protocol->name,
-                                                 without_backticks(help_with_default(setting)),
-                                                 allowed_values({setting}));
-            const auto same = [&](const SettingOption& option) {
-                return option.key == setting.key;
-            };
-            const auto option = std::find_if(options.begin(), options.end(), same);
-            if (option == options.end()) {
-                options.push_back({std::string(setting.key), help, choices_of(setting)});
+            CommandOption option = option_of(setting, given);
+            const auto same = std::ranges::find(options, option.name, &CommandOption::name);
+            if (same == options.end()) {
+                options.push_back(std::move(option));
             } else {
-                option->help += "; " + help;
-                add_choices(option->choices, choices_of(setting));
+                add_words(*same, setting);
             }
         }
     }
     return options;
 }
 
-void append_setting_options(std::vector<CommandOption>& options, SettingScope direction,
-                            GivenSettings& given) {
-    for (SettingOption& option : setting_options(direction)) {
-        const auto keep = [&given, key = option.key](const std::string& text) {
-            given.insert_or_assign(key, text);
-        };
-        options.push_back(
-            {.name = "--" + option.key,
-             .value = keep,
-             .help = std::move(option.help),
-             .type_name = option.choices.empty() ? "TEXT" : choices_type(option.choices)});
-    }
+SelectedOptions settings_by_protocol(SettingScope direction, GivenSettings& given) {
+    return {.by = "--protocol",
+            .of =
+                [direction, &given](std::string_view protocol) {
+                    return setting_options(direction, protocol, given);
+                },
+            .knows =
+                [direction](std::string_view name) {
+                    const Protocol* const protocol = find_protocol(name);
+                    return protocol != nullptr && is_known(*protocol, direction);
+                }};
 }
 
 std::string refusal_of_key(const Protocol& protocol, const SettingValues& settings) {

@@ -52,20 +52,22 @@ std::string protocol_list(SettingScope direction);
 /// Names of the protocols that the medium carries.
 std::string protocol_list(const Medium& medium);
 
-/// An option for a setting key of one or more protocols that applies to recorded bytes.
-struct SettingOption {
-    std::string key;
-    std::string help;
-    /// Allowed words, `a,b`; empty if a protocol allows anything else.
-    std::string choices;
-};
-/// The options of all protocols for that direction, without duplicates.
-std::vector<SettingOption> setting_options(SettingScope direction);
+/// The same as a list.
+std::vector<std::string> protocol_names_for(SettingScope direction);
+std::vector<std::string> protocol_names_on(const Medium& medium);
 
-/// Appends the settings as options of a command. Their values go to `given`, which must outlive
-/// them.
-void append_setting_options(std::vector<CommandOption>& options, SettingScope direction,
-                            GivenSettings& given);
+/// The settings of recorded bytes as options of a command, each key once: those of the protocol, or
+/// of all protocols if none has that name. Their values go to `given`, which must outlive them.
+std::vector<CommandOption> setting_options(SettingScope direction, std::string_view protocol,
+                                           GivenSettings& given);
+
+/// Notes of a command with these options: its name, and the names of the protocols.
+inline constexpr const char* kProtocolNotes =
+    "The protocols: {1}.\nThe settings of each are further options; those of sbus, for one:\n"
+    "`tribus {0} --protocol sbus --help`";
+
+/// The same for a command with an option `--protocol`.
+SelectedOptions settings_by_protocol(SettingScope direction, GivenSettings& given);
 
 /// Checks the settings: `given` may hold only keys of the protocol in that direction, required keys
 /// must be there, and the values must fit together. The error says what is allowed.

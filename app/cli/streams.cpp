@@ -9,10 +9,12 @@
 
 #include <cerrno>
 #include <cstddef>
+#include <cstdio>
 #include <cstring>
 #include <iostream>
 #include <utility>
 
+#include "app/cli/complain.h"
 #include "app/cli/exit_status.h"
 
 namespace tribus {
@@ -132,18 +134,29 @@ std::optional<std::size_t> terminal_columns() {
     return known ? std::optional<std::size_t>(size.ws_col) : std::nullopt;
 }
 
+void hold_standard_streams() {
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+        if (::fcntl(stream, F_GETFD) < 0) {
+            ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+        }
+    }
+}
+
+bool print_line_now(std::string_view line) {
+    std::fwrite(line.data(), 1, line.size(), stdout);
+    std::fputc('\n', stdout);
+    return std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+}
+
 int finish_standard_output(int status) {
     std::cout.flush();
-    if (std::cout.good()) {
+    const bool flushed = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+    if (flushed && std::cout.good()) {
         return status;
     }
     pollfd output{.fd = STDOUT_FILENO, .events = POLLOUT, .revents = 0};
     const bool reader_gone = ::poll(&output, 1, 0) == 1 && (output.revents & POLLERR) != 0;
-    if (reader_gone) {
-        return status;
-    }
-    std::cerr << "tribus: cannot write to standard output\n";
-    return kExitFailed;
+    return reader_gone ? status : complain("cannot write to standard output", kExitFailed);
 }
 
 }  // namespace tribus

@@ -73,8 +73,17 @@ class FilePieces final : public Pieces {
 /// Width of the terminal on standard output; nothing if it is no terminal.
 std::optional<std::size_t> terminal_columns();
 
-/// Flushes std::cout. Returns `status`, or prints a message and returns kExitFailed if the output
-/// could not be written. A reader that went away (`| head`) is not an error.
+/// Gives standard streams that the caller has closed a descriptor of which the use fails, so that
+/// no file that is opened later takes their place. Call it first in main.
+void hold_standard_streams();
+
+/// Writes a line to standard output at once. Returns false if that is not possible or its reader
+/// has gone away: a command that would go on for long ends then, and `run_command_line` says why.
+bool print_line_now(std::string_view line);
+
+/// Writes what std::cout and stdout still hold. Returns `status`, or prints a message and returns
+/// kExitFailed if some of the output could not be written. A reader that went away (`| head`) is
+/// not an error. `run_command_line` calls it for every command.
 int finish_standard_output(int status);
 
 }  // namespace tribus

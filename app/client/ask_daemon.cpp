@@ -49,16 +49,26 @@ tl::expected<std::string, std::string> read_line(int descriptor, Instant end) {
 
 }  // namespace
 
+std::vector<std::string> running_daemons() {
+    std::vector<std::string> names;
+    for (FoundSocket& daemon : find_sockets(SocketDirectories::of_this_process())) {
+        names.push_back(std::move(daemon.name));
+    }
+    return names;
+}
+
 CommandOption daemon_name_option(std::string& name) {
     return {.name = "NAME",
             .value = &name,
-            .help = "Name of the daemon's configuration file; needed if several run"};
+            .help = "Name of the daemon's configuration file; needed if several run",
+            .offers = running_daemons};
 }
 
 CommandOption daemon_socket_option(std::optional<std::string>& socket) {
     return {.name = "--socket",
             .value = &socket,
-            .help = "The daemon's control socket, if it is not in the default place"};
+            .help = "The daemon's control socket, if it is not in the default place",
+            .value_name = "SOCKET"};
 }
 
 tl::expected<std::string, std::string> find_daemon(const std::string& name,

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 #include <tl/expected.hpp>
@@ -12,6 +13,9 @@
 
 /// Requests of commands to a running daemon on this machine. Errors are written for the user.
 namespace tribus {
+
+/// Names of the daemons that run and that this user may ask, for completion.
+std::vector<std::string> running_daemons();
 
 /// Options of a command that asks a daemon, for find_daemon().
 CommandOption daemon_name_option(std::string& name);

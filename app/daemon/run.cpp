@@ -117,16 +117,20 @@ Command run_command() {
     return {
         .name = "run",
         .help = "Run a configuration, in the foreground",
-        .footer =
+        .notes =
             "SIGTERM and Ctrl-C: outputs send their last frames as their failsafe demands, then "
             "the program exits. SIGHUP: reads the configuration again and takes it between two "
             "frames. If it has mistakes or its devices cannot be opened, the old one goes on.",
         .options = {configuration_option(options->path),
                     {.name = "--socket",
                      .value = &options->socket,
-                     .help =
-                         "Control socket, for `tribus monitor`; default: `control` in "
-                         "$RUNTIME_DIRECTORY, or tribus/NAME.sock in /run or $XDG_RUNTIME_DIR"}},
+                     .help = "Control socket, for `tribus monitor`; default: `control` in "
+                             "$RUNTIME_DIRECTORY, or tribus/NAME.sock in /run or $XDG_RUNTIME_DIR",
+                     .value_name = "SOCKET"}},
+        .examples = {{"tribus run servos.toml", "until Ctrl-C; `tribus monitor` shows it at work"},
+                     {"sudo systemctl enable --now tribus@servos",
+                      "the same as a service, of /etc/tribus/servos.toml"}},
+        .exits = {{kExitFine, "ended by a signal"}},
         .run =
             [options] {
                 log_to_journal_or_terminal();

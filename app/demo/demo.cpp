@@ -21,6 +21,7 @@
 #include "app/appliance/appliance.h"
 #include "app/cli/exit_status.h"
 #include "app/cli/pty.h"
+#include "app/cli/streams.h"
 #include "app/cli/terminal.h"
 #include "app/demo/demo_peers.h"
 #include "app/demo/demo_screen.h"
@@ -183,9 +184,8 @@ class Demo {
             const DemoFigures now = figures(bench_.peers->report(), monotonic_now());
             if (terminal) {
                 AlternateScreen::show(draw_demo(now, screen_style()));
-            } else {
-                fmt::print("{}\n", demo_line(now));
-                std::fflush(stdout);
+            } else if (!print_line_now(demo_line(now))) {
+                return;
             }
         }
     }
@@ -259,8 +259,10 @@ int play_far_ends(const std::string& file, std::optional<Duration> length,
         fmt::print(stderr, "{}: {}\n", file, std::strerror(errno));
         return kExitFailed;
     }
-    fmt::print("receiver at {}, servos at {}; now run {}\n", receiver->path, servos->path, file);
-    std::fflush(stdout);
+    if (!print_line_now(fmt::format("receiver at {}, servos at {}; now run {}", receiver->path,
+                                    servos->path, file))) {
+        return kExitFine;
+    }
     DemoPeers peers(std::move(receiver->master), std::move(servos->master));
     wait_for_end(length, ending_signals);
     return kExitFine;
@@ -306,17 +308,25 @@ Command demo_command() {
     return {
         .name = "demo",
         .help = "Translate i.Bus to SBUS without hardware, with live bars",
-        .footer =
+        .notes =
             "A simulated 18-channel receiver with moving sticks on one pseudo-terminal, the real "
             "engine, a servo bank on another. The radio link drops every few seconds.",
         .options = {{.name = "--seconds",
                      .value = &options->seconds,
                      .help = "End after this time, with a summary",
-                     .range = {{0.1, kLongestSeconds}}},
+                     .range = {{0.1, kLongestSeconds}},
+                     .value_name = "SECONDS"},
                     {.name = "--far-ends",
                      .value = &options->far_ends,
                      .help = "Only play the receiver and the servos, and write to this file the "
-                             "configuration between them, for `tribus run`"}},
+                             "configuration between them, for `tribus run`",
+                     .value_name = "FILE"}},
+        .examples = {{"tribus demo", "until Ctrl-C"},
+                     {"tribus demo --seconds 8", "ends with a summary"},
+                     {"tribus demo --far-ends demo.toml",
+                      "then, in another terminal: tribus run demo.toml"}},
+        .exits = {{kExitFine, "no frame was lost"},
+                  {kExitFailed, "frames were lost, or the work failed"}},
         .run = [options] { return demo(*options); },
     };
 }

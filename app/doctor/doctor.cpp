@@ -228,27 +228,30 @@ Command doctor_command() {
     const auto options = std::make_shared<DoctorOptions>();
     return {
         .name = "doctor",
-        .help = "Check what ports and machine can do, what a port receives, and what to fix",
-        .footer =
-            "A device that another program has open is not opened. Nothing is written to a "
-            "device.\nBut opening it raises its control lines, which restarts some boards "
-            "(Arduino), and the\nkernel may echo a byte that arrives at that moment, as it may "
-            "with `run`.\nExit status: 0 no problems, 1 problems found, 2 wrong use.",
+        .help = "Check what ports and machine can do, what arrives, and what to fix",
+        .notes =
+            "A device that another program has open is not opened. Nothing is written to a device. "
+            "But opening it raises its control lines, which restarts some boards (Arduino), and "
+            "the kernel may echo a byte that arrives at that moment, as it may with `run`.",
         .options = {{.name = "DEVICE",
                      .value = &options->devices,
                      .help = "Serial devices to try and listen to, CAN interfaces, gamepads, PWM "
                              "chips, GPIO lines, SPI ports, /dev/uinput; default: check all of "
-                             "them and the machine, "
-                             "without opening any"},
+                             "them and the machine, without opening any"},
                     {.name = "--for",
                      .value = &options->listening,
                      .help = "How long to listen to each device",
-                     .shows_value = true},
+                     .shows_value = true,
+                     .value_name = "DURATION"},
                     {.name = "--format",
                      .value = &options->format,
                      .help = "json: one object",
                      .shows_value = true,
                      .choices = {"text", "json"}}},
+        .examples = {{"tribus doctor", "all ports and the machine, without opening any"},
+                     {"tribus doctor --for 5s /dev/ttyAMA2",
+                      "with a receiver attached: which protocol arrives there, and how well"}},
+        .exits = {{kExitFine, "no problems"}, {kExitFailed, "problems found, or the work failed"}},
         .run = [options] { return examine(*options); },
     };
 }

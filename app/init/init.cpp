@@ -233,7 +233,7 @@ int run_init(const Options& options) {
     }
     if (!to_file) {
         std::cout << text;
-        return finish_standard_output(kExitFine);
+        return kExitFine;
     }
     if (const auto written = write_file(options.file, text, options.force); !written) {
         return complain(written.error(), kExitFailed);
@@ -251,39 +251,43 @@ Command init_command() {
     return {
         .name = "init",
         .help = "Write a first configuration: ask what is attached, look, listen",
-        .footer =
+        .notes =
             "PLACE is a serial device (/dev/ttyUSB0) or a CAN interface (can0). Without a "
-            "PROTOCOL, "
-            "an input has the one that is heard there, an output has sbus or can. Without --in or "
-            "--out it asks. It writes nothing to a port.\n"
-            "Exit status: 0 the file is written; 1 it is not, because of a port, silence or the "
-            "file; 2 wrong use.",
+            "PROTOCOL, an input has the one that is heard there, an output has sbus or can. "
+            "Without --in or --out it asks. It writes nothing to a port.",
         .options = {{.name = "FILE",
                      .value = &options->file,
                      .help = "File to write; - prints it",
                      .shows_value = true},
                     {.name = "--in",
                      .value = &options->in,
-                     .help = "Where the signal comes from; repeatable, the preferred one first",
-                     .type_name = "PLACE[=PROTOCOL]",
+                     .help = "Where the signal comes from; the preferred one first",
+                     .value_name = "PLACE[=PROTOCOL]",
                      .one_each = true},
                     {.name = "--out",
                      .value = &options->out,
-                     .help = "Where the signal goes; repeatable",
-                     .type_name = "PLACE[=PROTOCOL]",
+                     .help = "Where the signal goes",
+                     .value_name = "PLACE[=PROTOCOL]",
                      .one_each = true},
                     {.name = "--listen",
                      .value = &options->listening,
                      .help = "How long to listen to each serial input; 0: open no port",
-                     .shows_value = true},
+                     .shows_value = true,
+                     .value_name = "DURATION"},
                     {.name = "--throttle",
                      .value = &options->throttle,
-                     .help = "Pulse of channel 3 in failsafe, microseconds",
+                     .help = "Pulse of channel 3 in failsafe",
                      .range = {{kLeastPulse, kMostPulse}},
+                     .value_name = "MICROSECONDS",
                      .default_text = format_number(init::kLowThrottleUs)},
                     {.name = "--force",
                      .value = &options->force,
                      .help = "Replace the file if it exists"}},
+        .examples = {{"tribus init", "asks, and writes tribus.toml"},
+                     {"tribus init --in /dev/ttyAMA2 --out /dev/ttyAMA3=sbus servos.toml",
+                      "asks nothing; the protocol of the input is the one that is heard"}},
+        .exits = {{kExitFine, "the file is written"},
+                  {kExitFailed, "it is not, because of a port, silence or the file"}},
         .run = [options] { return init::run_init(*options); },
     };
 }

@@ -40,13 +40,17 @@ Command check_command() {
     auto options = std::make_shared<Options>();
     return {
         .name = "check",
-        .help = "Validate a configuration; print it with every default, or all its mistakes",
+        .help = "Print a configuration with every default, or all its mistakes",
         .options = {configuration_option(options->path),
                     {.name = "--format",
                      .value = &options->format,
                      .help = "Form of the effective configuration",
                      .shows_value = true,
                      .choices = {"toml", "json"}}},
+        .examples = {{"tribus check servos.toml", ""},
+                     {"tribus check --format json servos.toml | jq .input", ""}},
+        .exits = {{kExitFailed, "the result cannot be written"},
+                  {kExitWrongUse, "wrong use, mistakes, or a file that cannot be read"}},
         .run = [options] { return check(options->path, options->format == "json"); },
     };
 }
@@ -55,16 +59,18 @@ Command schema_command() {
     auto format = std::make_shared<std::string>("json");
     return {
         .name = "schema",
-        .help = "Print every key of configurations: a schema for editors, or the manual",
-        .footer =
+        .help = "Print every key of configurations: a JSON schema, or the manual",
+        .notes =
             "Editors that know the JSON schema complete keys and underline mistakes. Save it "
-            "beside the configuration and start that with the line\n"
-            "  #:schema ./tribus.schema.json",
+            "beside the configuration, and start that with the line "
+            "`#:schema ./tribus.schema.json`.",
         .options = {{.name = "--format",
                      .value = format.get(),
                      .help = "json: JSON schema; markdown, man: every key with its meaning",
                      .shows_value = true,
                      .choices = {"json", "markdown", "man"}}},
+        .examples = {{"tribus schema > tribus.schema.json", ""},
+                     {"tribus schema --format man | man -l -", ""}},
         .run =
             [format] {
                 fmt::print("{}", *format == "man"        ? manual_mdoc()

@@ -300,7 +300,7 @@ Command diff_command() {
     return {
         .name = "diff",
         .help = "Print what changes if a configuration replaces another one",
-        .footer =
+        .notes =
             "One line for each changed setting and channel, and what a reload does with it. "
             "Prints nothing if nothing changes. With a running daemon: also what each output "
             "would send with the sticks as they are now.",
@@ -311,13 +311,19 @@ Command diff_command() {
               .required = true},
              {.name = "NEW",
               .value = &options->fresh,
-              .help = "The configuration to replace CONFIG"},
+              .help = "The configuration to replace CONFIG",
+              .value_name = "CONFIG"},
              {.name = "--daemon",
               .value = &options->daemon,
               .help = "Name of the daemon's configuration file; needed if several run and none has "
                       "the name of CONFIG",
-              .excludes = {"NEW"}},
+              .value_name = "NAME",
+              .excludes = {"NEW"},
+              .offers = running_daemons},
              std::move(socket)},
+        .examples = {{"tribus diff servos.toml new.toml", "two files"},
+                     {"tribus diff new.toml --daemon servos",
+                      "a file and what a daemon runs, with the sticks as they are now"}},
         .run =
             [options] {
                 return options->fresh.empty() ? compare_with_daemon(*options)

@@ -38,13 +38,14 @@ Command graph_command() {
     return {
         .name = "graph",
         .help = "Print a configuration as a picture",
-        .footer = "tribus graph servos.toml > servos.svg",
         .options = {configuration_option(options->path),
                     {.name = "--format",
                      .value = &options->format,
                      .help = "svg, dot for Graphviz, mermaid for Markdown",
                      .shows_value = true,
                      .choices = {"svg", "dot", "mermaid"}}},
+        .examples = {{"tribus graph servos.toml > servos.svg", ""},
+                     {"tribus graph --format dot servos.toml | dot -Tpng > servos.png", ""}},
         .run = [options] { return print_graph(*options); },
     };
 }

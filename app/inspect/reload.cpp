@@ -185,8 +185,8 @@ Command reload_command() {
     auto options = std::make_shared<ReloadOptions>();
     return {
         .name = "reload",
-        .help = "Make a running daemon read its configuration again, optionally on trial",
-        .footer =
+        .help = "Make a daemon read its configuration again, on trial if you like",
+        .notes =
             "The daemon takes the file between two frames, or refuses it, says why, and goes on "
             "with the old one. In a terminal a trial asks: Enter keeps it, Ctrl-C goes back.",
         .options = {daemon_name_option(options->name),
@@ -194,11 +194,12 @@ Command reload_command() {
                     {.name = "--trial",
                      .value = &options->trial,
                      .help = "Go back after this time, such as \"30s\", to the configuration "
-                             "before, unless confirmed"},
+                             "before, unless confirmed",
+                     .value_name = "DURATION"},
                     {.name = "--draft",
                      .value = &options->draft,
                      .help = "Try the text of this file; the daemon's own file stays as it is",
-                     .type_name = "FILE",
+                     .value_name = "FILE",
                      .needs = {"--trial"}},
                     {.name = "--confirm",
                      .value = &options->confirm,
@@ -210,7 +211,13 @@ Command reload_command() {
                      .excludes = {"--trial"}},
                     {.name = "--number",
                      .value = &options->number,
-                     .help = "With --confirm or --back: only if this trial is the present one"}},
+                     .help = "With --confirm or --back: only if this trial is the present one",
+                     .value_name = "NUMBER"}},
+        .examples = {{"tribus reload servos", "the daemon reads servos.toml again"},
+                     {"tribus reload --trial 30s", "goes back after 30 s unless Enter is pressed"},
+                     {"tribus reload --confirm", "from another terminal"}},
+        .exits = {{kExitFine, "taken, confirmed, or gone back as asked"},
+                  {kExitFailed, "refused, not confirmed in time, no trial, or no daemon answers"}},
         .run = [options] { return reload(*options); },
     };
 }

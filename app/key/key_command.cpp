@@ -62,8 +62,8 @@ Command key_command() {
     auto options = std::make_shared<KeyOptions>();
     return {
         .name = "key",
-        .help = "Make a key file for an authenticated link, or show which key a file has",
-        .footer =
+        .help = "Make a key file for an authenticated link, or show its fingerprint",
+        .notes =
             "The key itself is never shown: two files with the same fingerprint have the same "
             "key.",
         .options = {{.name = "ACTION",
@@ -79,6 +79,10 @@ Command key_command() {
                     {.name = "--fingerprint",
                      .value = &options->fingerprint,
                      .help = "Print nothing but the fingerprint, for scripts"}},
+        .examples = {{"tribus key new /etc/tribus/keys/boat.key",
+                      "a new key; the file is then copied to the other end of the link"},
+                     {"tribus key show --fingerprint boat.key",
+                      "two ends with the same fingerprint have the same key"}},
         .run = [options] { return options->action == "new" ? make(*options) : show(*options); },
     };
 }

@@ -235,14 +235,13 @@ Command learn_command() {
     auto options = std::make_shared<LearnOptions>();
     return {
         .name = "learn",
-        .help = "Find out how a receiver loses its link, or which stick of a gamepad is which axis",
-        .footer =
+        .help = "Learn how a receiver shows the loss of its link, or a gamepad's axes",
+        .notes =
             "Of a receiver: guides you through moving the sticks, letting go, switching the "
             "transmitter off and on again, and prints the lines that recognise this receiver's "
             "loss, or what to set on the transmitter. Take the propellers off first. Of a gamepad: "
             "asks for one stick or button after the other, and prints the lines of its input; "
-            "without a terminal, too. Exit status: 0 recognised, or lines printed; 1 not; 130 "
-            "interrupted.",
+            "without a terminal, too.",
         // Newer versions of CLI11 do not allow a colon in a name.
         .options = {{.name = "INPUT",
                      .value = &options->file_and_name,
@@ -253,20 +252,30 @@ Command learn_command() {
                     {.name = "--recording",
                      .value = &options->recording,
                      .help = "Study recorded bytes instead of the live device",
+                     .value_name = "FILE",
                      .needs = {"--off-at", "--back-at"}},
                     {.name = "--off-at",
                      .value = &options->off_at,
                      .help = "When the transmitter was switched off in the recording",
+                     .value_name = "DURATION",
                      .needs = {"--recording"}},
                     {.name = "--back-at",
                      .value = &options->back_at,
                      .help = "When it was switched on again, or the recording ends",
+                     .value_name = "DURATION",
                      .needs = {"--recording"}},
                     {.name = "--format",
                      .value = &options->format,
                      .help = "json: each step in a line, for a program that guides the person",
                      .shows_value = true,
                      .choices = {"text", "json"}}},
+        .examples = {{"tribus learn rc.toml:receiver", "leads you through switching off and on"},
+                     {"tribus learn rc.toml:receiver --recording loss.txt --off-at 5s --back-at 8s",
+                      "the same from a recording"},
+                     {"tribus learn /dev/input/event5", "the sticks and buttons of a gamepad"}},
+        .exits = {{kExitFine, "recognised, or the lines are printed"},
+                  {kExitFailed, "not recognised, or the work failed"},
+                  {kExitInterrupted, "interrupted"}},
         .run = [options] { return learn(*options); },
     };
 }

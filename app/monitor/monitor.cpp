@@ -18,6 +18,7 @@
 #include "app/cli/complain.h"
 #include "app/cli/exit_status.h"
 #include "app/cli/main_wait.h"
+#include "app/cli/streams.h"
 #include "app/cli/terminal.h"
 #include "app/client/ask_daemon.h"
 #include "app/client/monitor_link.h"
@@ -100,11 +101,8 @@ class Monitor {
     std::optional<int> take_objects() {
         const bool was_connected = link_.connected();
         for (std::string& line : link_.read()) {
-            if (options_.format == kJson) {
-                std::fwrite((line + "\n").data(), 1, line.size() + 1, stdout);
-                if (std::fflush(stdout) != 0) {
-                    return kExitFine;
-                }
+            if (options_.format == kJson && !print_line_now(line)) {
+                return kExitFine;
             }
             auto object = nlohmann::json::parse(line, nullptr, false);
             if (status_fields::text(object, "type") == "error") {
@@ -163,8 +161,7 @@ class Monitor {
             AlternateScreen::show(draw_monitor(view_, screen_style()));
             return true;
         }
-        fmt::print("{}\n", monitor_line(view_));
-        return std::fflush(stdout) == 0;
+        return print_line_now(monitor_line(view_));
     }
 
     MonitorLink link_;
@@ -201,7 +198,7 @@ Command monitor_command() {
     return {
         .name = "monitor",
         .help = "Live view of a running daemon",
-        .footer =
+        .notes =
             "In a terminal: up and down (or Tab) select, PgUp and PgDn (or u and d) scroll, p "
             "pauses, q quits. Without one it prints a line a second. It waits for a daemon that "
             "restarts.",
@@ -215,10 +212,13 @@ Command monitor_command() {
                     {.name = "--period",
                      .value = &options->period,
                      .help = "Time from one status to the next, 50ms to 60s",
-                     .shows_value = true},
+                     .shows_value = true,
+                     .value_name = "DURATION"},
                     {.name = "--once",
                      .value = &options->once,
                      .help = "End after the first object or line"}},
+        .examples = {{"tribus monitor", "the daemon of this machine, if only one runs"},
+                     {"tribus monitor servos --once --format json", "the daemon of servos.toml"}},
         .run = [options] { return monitor_daemon(*options); },
     };
 }

@@ -73,14 +73,16 @@ Command pwm_command() {
     return {
         .name = "pwm",
         .help = "List the PWM chips of this machine, or switch outputs off",
-        .footer =
+        .notes =
             "Without an option it lists chips, and those of their outputs that a program has "
             "taken.",
         .options = {{.name = "--off",
                      .value = &options->off,
                      .help = "Switch off the outputs that this configuration names, for after the "
                              "end of the daemon",
-                     .type_name = "CONFIG"}},
+                     .value_name = "CONFIG"}},
+        .examples = {{"tribus pwm", "which chips there are, and which outputs are taken"},
+                     {"sudo tribus pwm --off /etc/tribus/legs.toml", ""}},
         .run = [options] { return run_pwm(*options); },
     };
 }

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "app/cli/command_line.h"
 #include "app/cli/complain.h"
 #include "app/cli/exit_status.h"
 #include "app/cli/line_use.h"
@@ -19,7 +18,6 @@
 #include "app/replay/record_port.h"
 #include "core/quantity.h"
 #include "pipelines/realtime/clock.h"
-#include "transports/links/serial/serial_medium.h"
 
 namespace tribus {
 namespace {
@@ -102,35 +100,39 @@ Command record_command() {
     auto options = std::make_shared<RecordOptions>();
     return {
         .name = "record",
-        .help = "Record, with a running daemon's flight recorder or directly from a port",
-        .footer =
+        .help = "Record with a daemon's flight recorder, or directly from a port",
+        .notes =
             "Without --out it asks a daemon whose configuration has [recorder] for a recording, "
             "and prints the folder. With --out it reads a port that no other program uses; CAN "
             "interfaces are shared. `decode`, `simulate` and `replay` read the files.",
         .options = {{.name = "TARGET",
                      .value = &options->target,
                      .help = "Name of the daemon's configuration file, if several run; with --out "
-                             "a serial device or CAN interface"},
+                             "a serial device or CAN interface",
+                     .value_name = "NAME|DEVICE",
+                     .offers = running_daemons},
                     daemon_socket_option(options->socket),
                     {.name = "--out",
                      .value = &options->out,
-                     .help = "File for what arrives at the port"},
-                    {.name = "--protocol",
-                     .value = &options->protocol,
-                     .help = "Protocol of a serial line; sets rate, parity and stop bits",
-                     .type_name = choices_type(protocol_list(kSerialMedium))},
-                    {.name = "--baud",
-                     .value = &options->baud,
-                     .help = "Rate, if it is not the protocol's own"},
+                     .help = "File for what arrives at the port",
+                     .value_name = "FILE"},
+                    line_protocol_option(options->protocol),
+                    line_baud_option(options->baud),
                     {.name = "--for",
                      .value = &options->time,
-                     .help = "How long, such as 10s; default: until Ctrl-C"},
+                     .help = "How long, such as 10s; default: until Ctrl-C",
+                     .value_name = "DURATION"},
                     {.name = "--limit",
                      .value = &options->limit_mib,
-                     .help = "Largest size of the file, in MiB",
+                     .help = "Largest size of the file",
                      .shows_value = true,
-                     .range = {{1, 100000}}},
+                     .range = {{1, 100000}},
+                     .value_name = "MIB"},
                     {.name = "--force", .value = &options->force, .help = "Overwrite the file"}},
+        .examples = {{"tribus record servos", "what passed the ports of the daemon of servos.toml"},
+                     {"tribus record /dev/ttyAMA2 --protocol ibus --out receiver.txt --for 10s",
+                      ""},
+                     {"tribus record can0 --out drive.log", "until Ctrl-C"}},
         .run = [options] { return record(*options); },
     };
 }

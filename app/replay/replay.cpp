@@ -13,7 +13,6 @@
 #include <fmt/format.h>
 #include <tl/expected.hpp>
 
-#include "app/cli/command_line.h"
 #include "app/cli/complain.h"
 #include "app/cli/exit_status.h"
 #include "app/cli/line_use.h"
@@ -23,7 +22,6 @@
 #include "app/replay/replay_target.h"
 #include "core/quantity.h"
 #include "pipelines/realtime/clock.h"
-#include "transports/links/serial/serial_medium.h"
 #include "transports/recordings/recording.h"
 
 namespace tribus {
@@ -244,8 +242,8 @@ Command replay_command() {
     auto options = std::make_shared<ReplayOptions>();
     return {
         .name = "replay",
-        .help = "Send a recording with its timing into a pty, a serial device or a CAN interface",
-        .footer =
+        .help = "Send a recording with its timing to a pty, device or CAN interface",
+        .notes =
             "It begins with the first burst or frame; with a pty, as soon as a program opens it. "
             "At the end it prints how late it was; anything more than 50 ms late is left out.",
         .options = {{.name = "FILE",
@@ -256,26 +254,31 @@ Command replay_command() {
                      .value = &options->place.to,
                      .help = "pty: a new pseudo-terminal, whose name is printed; or a serial "
                              "device or CAN interface",
-                     .required = true},
+                     .required = true,
+                     .value_name = "DEVICE",
+                     .offers = [] { return std::vector<std::string>{"pty"}; }},
                     {.name = "--link",
                      .value = &options->place.link,
-                     .help = "Symbolic link to the new pseudo-terminal"},
+                     .help = "Symbolic link to the new pseudo-terminal",
+                     .value_name = "FILE"},
                     {.name = "--speed",
                      .value = &options->speed,
                      .help = "2: twice as fast",
                      .shows_value = true,
-                     .range = {{0.001, 1000}}},
+                     .range = {{0.001, 1000}},
+                     .value_name = "FACTOR"},
                     {.name = "--loop", .value = &options->loop, .help = "Repeat until Ctrl-C"},
-                    {.name = "--protocol",
-                     .value = &options->place.protocol,
-                     .help = "Protocol of a serial line; sets rate, parity and stop bits",
-                     .type_name = choices_type(protocol_list(kSerialMedium))},
-                    {.name = "--baud",
-                     .value = &options->place.baud,
-                     .help = "Rate, if it is not the protocol's own"},
+                    line_protocol_option(options->place.protocol),
+                    line_baud_option(options->place.baud),
                     {.name = "--period",
                      .value = &options->period,
-                     .help = "Time from line to line of a recording without times"}},
+                     .help = "Time from line to line of a recording without times; default: that "
+                             "of the protocol",
+                     .value_name = "DURATION"}},
+        .examples = {{"tribus replay receiver.txt --to pty --link /tmp/receiver --loop",
+                      "a receiver without hardware, for a configuration that names that device"},
+                     {"tribus replay flight.sbus --to /dev/ttyUSB0 --protocol sbus", ""},
+                     {"tribus replay drive.log --to can0 --speed 2", ""}},
         .run = [options] { return replay(*options); },
     };
 }

@@ -20,6 +20,7 @@
 
 #include "app/cli/line_use.h"
 #include "app/cli/pty.h"
+#include "app/cli/streams.h"
 #include "pipelines/realtime/clock.h"
 #include "transports/links/can/can_socket.h"
 #include "transports/links/serial/serial_port.h"
@@ -63,12 +64,14 @@ class PtyTarget final : public ReplayTarget {
         }
         // Before anybody can know of the link, so that it is this one that the target removes.
         auto target = std::make_unique<PtyTarget>(std::move(*pty), link);
-        fmt::print("{}\n", link.empty() ? target->pty_.path : link);
-        std::fflush(stdout);
+        target->told_ = print_line_now(link.empty() ? target->pty_.path : link);
         return target;
     }
 
     bool wait_for_reader(MainWait& wait) override {
+        if (!told_) {
+            return false;
+        }
         if (!has_reader()) {
             fmt::print(stderr, "waiting for a program to open {}\n",
                        link_.empty() ? pty_.path : link_);
@@ -127,6 +130,8 @@ class PtyTarget final : public ReplayTarget {
     Pty pty_;
     std::string link_;
     std::optional<std::pair<dev_t, ino_t>> link_inode_;
+    /// Whether its name could be printed.
+    bool told_ = false;
 };
 
 class SerialTarget final : public ReplayTarget {

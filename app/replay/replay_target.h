@@ -30,7 +30,7 @@ enum class ReplayOutcome : std::uint8_t {
 class ReplayTarget {
   public:
     virtual ~ReplayTarget() = default;
-    /// Waits until somebody reads; returns false if a signal came first.
+    /// Waits until somebody reads; returns false if a signal came first, or nobody can know of it.
     virtual bool wait_for_reader(MainWait&) { return true; }
     /// Sends one item now.
     virtual ReplayOutcome send(const ReplayItem& item) = 0;

@@ -350,21 +350,21 @@ Command simulate_command() {
     return {
         .name = "simulate",
         .help = "Run a configuration over recorded inputs, in virtual time",
-        .footer =
+        .notes =
             "An input without --in stays silent. Only these files are opened. Each recording "
             "starts with the simulation. If several CAN inputs received at the same time, give one "
             "log with all their frames to each of them with --in.",
         .options = {configuration_option(options->config),
                     {.name = "--in",
                      .value = &options->in,
-                     .help = "NAME=FILE: recorded bytes of an input or sensor bus, or the candump "
-                             "log of a CAN input or of the message of [values.NAME] (repeatable)",
-                     .type_name = "NAME=FILE"},
+                     .help = "Recorded bytes of an input or sensor bus, or the candump log of a "
+                             "CAN input or of the message of [values.NAME]",
+                     .value_name = "NAME=FILE"},
                     {.name = "--out",
                      .value = &options->out,
-                     .help = "NAME=FILE: file for what an output or a sensor bus sends; - for "
-                             "standard output (repeatable)",
-                     .type_name = "NAME=FILE"},
+                     .help = "File for what an output or a sensor bus sends; - for standard "
+                             "output",
+                     .value_name = "NAME=FILE"},
                     {.name = "--format",
                      .value = &options->format,
                      .help = "Format of the outputs; CAN outputs are always candump logs",
@@ -373,7 +373,11 @@ Command simulate_command() {
                     {.name = "--tail",
                      .value = &options->tail,
                      .help = "How long to go on after the last input",
-                     .shows_value = true}},
+                     .shows_value = true,
+                     .value_name = "DURATION"}},
+        .examples = {{"tribus simulate servos.toml --in receiver=receiver.txt --out servos=out.txt",
+                      "says when the input was lost, and writes what the servos would get"},
+                     {"tribus simulate servos.toml --in receiver=loss.txt --tail 5s", ""}},
         .run = [options] { return simulate(*options); },
     };
 }

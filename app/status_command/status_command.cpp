@@ -17,6 +17,7 @@
 #include "app/cli/exit_status.h"
 #include "app/cli/main_wait.h"
 #include "app/cli/object_text.h"
+#include "app/cli/streams.h"
 #include "app/client/ask_daemon.h"
 #include "app/client/monitor_link.h"
 #include "app/client/status_fields.h"
@@ -44,21 +45,15 @@ std::int64_t whole_us(Duration duration) {
     return std::chrono::duration_cast<std::chrono::microseconds>(duration).count();
 }
 
-/// Prints a line at once. Returns false if its reader has gone away.
-bool print_now(const std::string& line) {
-    fmt::print("{}\n", line);
-    return std::fflush(stdout) == 0;
-}
-
 bool print_whole(const StatusOptions& options, const nlohmann::ordered_json& found) {
     if (options.json()) {
-        return print_now(json_text(found));
+        return print_line_now(json_text(found));
     }
     std::string text;
     for (const std::string& line : status_summary::lines(found)) {
         text += (text.empty() ? "" : "\n") + line;
     }
-    return print_now(text);
+    return print_line_now(text);
 }
 
 /// Follows one daemon, and prints what changes.
@@ -147,7 +142,7 @@ class StatusWatch {
     }
 
     bool print_change(const nlohmann::ordered_json& change) const {
-        return print_now(options_.json() ? json_text(change) : status_summary::line(change));
+        return print_line_now(options_.json() ? json_text(change) : status_summary::line(change));
     }
 
     MonitorLink link_;
@@ -190,9 +185,7 @@ Command status_command() {
     return {
         .name = "status",
         .help = "Summary of a running daemon for scripts",
-        .footer =
-            "Ends with 0 if the daemon answered, whatever it says, and with 1 if not. --watch "
-            "says when the daemon goes away, and waits for it.",
+        .notes = "--watch says when the daemon goes away, and waits for it.",
         .options = {daemon_name_option(options->name),
                     daemon_socket_option(options->socket),
                     {.name = "--format",
@@ -203,6 +196,11 @@ Command status_command() {
                     {.name = "--watch",
                      .value = &options->watch,
                      .help = "Go on, with a line for each change"}},
+        .examples = {{"tribus status", "the daemon of this machine, if only one runs"},
+                     {"tribus status servos --format json | jq .outputs", ""},
+                     {"tribus status --watch", "what changes, as it changes"}},
+        .exits = {{kExitFine, "the daemon answered, whatever it says"},
+                  {kExitFailed, "it did not answer"}},
         .run = [options] { return show_status(*options); },
     };
 }

@@ -50,11 +50,12 @@ Command dbc_command() {
     auto options = std::make_shared<DbcOptions>();
     return {
         .name = "dbc",
-        .help = "Print the native CAN formats as DBC files, for other tools on the bus",
+        .help = "Print the native CAN formats as DBC files, for other CAN tools",
         .options = {{.name = "--id",
                      .value = &options->id,
                      .help = "Base id, as in the configuration",
                      .range = {{0, kMostBaseId}},
+                     .value_name = "ID",
                      .default_text =
                          fmt::format("0x{:X}, of sensors 0x{:X}", can_channels::kDefaultBaseId,
                                      sensor_can::kDefaultBaseId)},
@@ -62,6 +63,9 @@ Command dbc_command() {
                     {.name = "--sensors",
                      .value = &options->sensors,
                      .help = "The readings of a sensor bus, protocol \"sensors\""}},
+        .examples = {{"tribus dbc > native.dbc", "what an output of protocol can sends by default"},
+                     {"tribus dbc --id 0x400", ""},
+                     {"tribus dbc --sensors > sensors.dbc", ""}},
         .run = [options] { return print_dbc(*options); },
     };
 }

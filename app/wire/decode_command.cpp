@@ -13,7 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include "app/cli/command_line.h"
 #include "app/cli/configured_use.h"
 #include "app/cli/exit_status.h"
 #include "app/cli/streams.h"
@@ -306,7 +305,7 @@ int run_decode(const DecodeArguments& arguments) {
 Command decode_command() {
     const auto arguments = std::make_shared<DecodeArguments>();
     std::vector<CommandOption> options{
-        {.name = "file",
+        {.name = "FILE",
          .value = &arguments->file,
          .help = "Raw bytes, hex lines, timed hex lines, the CSV of a Saleae serial decoder, or a "
                  "candump log; the content shows which. Absent or -: standard input; raw bytes of "
@@ -316,12 +315,20 @@ Command decode_command() {
          .help =
              "auto: the protocol that finds the most frames; single lines may be frames of another",
          .shows_value = true,
-         .type_name = choices_type("auto," + protocol_list(SettingScope::input))},
-        {.name = "--as", .value = &arguments->as, .help = kAsHelp, .type_name = "FILE:NAME"},
+         .value_name = "PROTOCOL",
+         .offers =
+             [] {
+                 auto names = protocol_names_for(SettingScope::input);
+                 names.insert(names.begin(), "auto");
+                 return names;
+             }},
+        {.name = "--as", .value = &arguments->as, .help = kAsHelp, .value_name = "FILE:NAME"},
         {.name = "--dialect",
          .value = &arguments->dialect,
-         .help = "For ibus-sensor: the dialect of the disputed types; default: flysky",
-         .choices = {kSensorDialectNames.begin(), kSensorDialectNames.end()}},
+         .help = "For ibus-sensor: the dialect of the disputed types",
+         .choices = {kSensorDialectNames.begin(), kSensorDialectNames.end()},
+         .value_name = "DIALECT",
+         .default_text = std::string(kSensorDialectNames.front())},
         {.name = "--format",
          .value = &arguments->format,
          .help = "text shows whole microseconds",
@@ -330,17 +337,26 @@ Command decode_command() {
         {.name = "--input-format",
          .value = &arguments->input_format,
          .help = "Format of the input, if its content does not show it",
-         .choices = {"candump", "hex", "raw", "saleae", "timed"}},
+         .choices = {"candump", "hex", "raw", "saleae", "timed"},
+         .value_name = "FORMAT"},
         {.name = "--interface",
          .value = &arguments->interface,
          .help = "For a candump log: the interface whose frames are decoded; needed if it has "
-                 "several"}};
-    append_setting_options(options, SettingScope::input, arguments->given);
+                 "several",
+         .value_name = "NAME"}};
     return {
         .name = "decode",
-        .help = "Decode bytes or CAN frames of a protocol to channel frames, one a line",
+        .help = "Decode bytes or CAN frames to frames of channels, one a line",
+        .notes = fmt::format(kProtocolNotes, "decode", protocol_list(SettingScope::input)),
         .options = std::move(options),
-        .run = [arguments] { return finish_standard_output(run_decode(*arguments)); },
+        .examples = {{"tribus decode receiver.txt", "the protocol is found out"},
+                     {"tribus decode --protocol sbus --format json flight.sbus", ""},
+                     {"tribus decode --as servos.toml:receiver receiver.txt",
+                      "as that input of a configuration reads it"},
+                     {"candump -L can0 | tribus decode --protocol can", "as it arrives"}},
+        .exits = {{kExitFailed, "auto finds no protocol, or the input cannot be read"}},
+        .selected = settings_by_protocol(SettingScope::input, arguments->given),
+        .run = [arguments] { return run_decode(*arguments); },
     };
 }
 

@@ -14,10 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "app/cli/command_line.h"
 #include "app/cli/configured_use.h"
 #include "app/cli/exit_status.h"
-#include "app/cli/streams.h"
 #include "app/wire/frames/frame_json.h"
 
 namespace tribus {
@@ -216,28 +214,40 @@ int encode_lines(std::istream& lines, std::string_view name, const ProtocolUse& 
 Command encode_command() {
     const auto arguments = std::make_shared<EncodeArguments>();
     std::vector<CommandOption> options{
-        {.name = "file",
+        {.name = "FILE",
          .value = &arguments->file,
          .help = "JSON lines; absent or -: standard input"},
         {.name = "--protocol",
          .value = &arguments->protocol,
-         .help = "Protocol to encode",
-         .type_name = choices_type(protocol_list(SettingScope::output))},
-        {.name = "--as", .value = &arguments->as, .help = kAsHelp, .type_name = "FILE:NAME"},
+         .help = "Protocol to encode; required, unless --as is given",
+         .value_name = "PROTOCOL",
+         .offers = [] { return protocol_names_for(SettingScope::output); }},
+        {.name = "--as", .value = &arguments->as, .help = kAsHelp, .value_name = "FILE:NAME"},
         {.name = "--format",
          .value = &arguments->format,
          .help = "timed: hex after microseconds; vcd: the level on the wire; candump: the log of "
                  "CAN protocols. Default: binary, or candump for a CAN protocol",
-         .choices = {"binary", "candump", "hex", "timed", "vcd"}},
+         .choices = {"binary", "candump", "hex", "timed", "vcd"},
+         .value_name = "FORMAT"},
         {.name = "--interface",
          .value = &arguments->interface,
-         .help = fmt::format("Interface in the candump log; default: {}", kDefaultInterface)}};
-    append_setting_options(options, SettingScope::output, arguments->given);
+         .help = "Interface in the candump log",
+         .value_name = "NAME",
+         .default_text = std::string(kDefaultInterface)}};
     return {
         .name = "encode",
-        .help = "Encode frames, as decode --format json prints them, to bytes or CAN frames",
+        .help = "Encode the JSON lines that decode prints to bytes or CAN frames",
+        .notes = fmt::format(kProtocolNotes, "encode", protocol_list(SettingScope::output)),
         .options = std::move(options),
-        .run = [arguments] { return finish_standard_output(run_encode(*arguments)); },
+        .examples =
+            {{"tribus encode --protocol sbus --format hex frames.jsonl", ""},
+             {"tribus decode --format json in.sbus | tribus encode --protocol ibus > out.ibus",
+              "from one protocol to another"},
+             {"tribus encode --as servos.toml:servos --format vcd frames.jsonl > wire.vcd",
+              "the level on the wire, as that output of a configuration sends"}},
+        .exits = {{kExitFailed, "a line is not what decode prints, or the file cannot be read"}},
+        .selected = settings_by_protocol(SettingScope::output, arguments->given),
+        .run = [arguments] { return run_encode(*arguments); },
     };
 }
 

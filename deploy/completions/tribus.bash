@@ -1,33 +1,34 @@
-# bash completion for tribus. It reads `tribus --help`, so it always fits the program.
+# bash completion for tribus, tribus-web and tribus-mqtt. It starts the program once, which knows what
+# fits (app/cli/completion.h).
 
 _tribus()
 {
-    local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]}
-    local program=${COMP_WORDS[0]} words=() help
-    COMPREPLY=()
-    if ((COMP_CWORD > 1)); then
-        words=("${COMP_WORDS[1]}")
-    fi
-    help=$("$program" "${words[@]}" --help 2>/dev/null) || return 0
-    # Many choices take several lines.
-    help=$(sed -e ':more' -e '/{[^}]*,$/{N' -e 's/\n *//' -e 'b more' -e '}' <<<"$help")
-    if ((COMP_CWORD > 1)) && [[ $current != -* ]]; then
-        # The choices of an option are in its line: --format TEXT:{toml,json}
-        local choices
-        choices=$(sed -n "s/^ *\(-[a-zA-Z],\)\{0,1\}$previous [^{]*{\([^}]*\)}.*/\2/p" <<<"$help")
-        if [[ $previous == --* && -n $choices ]]; then
-            mapfile -t COMPREPLY < <(compgen -W "${choices//,/ }" -- "$current")
+    local program=${COMP_WORDS[0]} current=${COMP_WORDS[COMP_CWORD]} typed=() word line joins=0
+    # readline has broken words at "=" and ":", unless COMP_WORDBREAKS lacks them.
+    for word in "${COMP_WORDS[@]:1:COMP_CWORD}"; do
+        if [[ ${#typed[@]} -gt 0 && ($joins == 1 || $word == [=:]) ]]; then
+            typed[-1]+=$word
         else
-            compopt -o filenames 2>/dev/null
-            mapfile -t COMPREPLY < <(compgen -f -- "$current")
+            typed+=("$word")
         fi
-        return 0
+        [[ $word == [=:] ]] && joins=1 || joins=0
+    done
+    [[ $current == [=:] ]] && current=""
+    # What readline replaces begins behind the last break.
+    local kept="" paths=""
+    [[ $current == --*=* ]] && kept=${current%%=*}=
+    COMPREPLY=()
+    while IFS= read -r line; do
+        case $line in
+            :*) paths=$line ;;
+            *) COMPREPLY+=("$kept${line%%$'\t'*}") ;;
+        esac
+    done < <("$program" --complete "${typed[@]}" 2>/dev/null)
+    if [[ -n $paths ]]; then
+        compopt -o filenames 2>/dev/null
+        local kind=-f
+        [[ $paths == :folders ]] && kind=-d
+        mapfile -t -O "${#COMPREPLY[@]}" COMPREPLY < <(compgen $kind -P "$kept" -- "${current#"$kept"}")
     fi
-    local candidates
-    candidates=$(grep -oE '^ +(-[a-zA-Z],)?--[a-z0-9_-]+' <<<"$help" | grep -oE -- '--[a-z0-9_-]+')
-    if ((COMP_CWORD == 1)); then
-        candidates+=" "$(sed -n '/^Subcommands:/,$ s/^  \([a-z][a-z0-9-]*\) .*/\1/p' <<<"$help")
-    fi
-    mapfile -t COMPREPLY < <(compgen -W "$candidates" -- "$current")
 }
-complete -F _tribus tribus
+complete -F _tribus tribus tribus-web tribus-mqtt

@@ -12,9 +12,13 @@
 namespace tribus::test::help_test {
 namespace {
 
-std::string help_of(const std::string& command) {
-    const Ended ended = run_in_shell("\"$TRIBUS\" " + command + " --help");
-    EXPECT_EQ(ended.status, 0) << command;
+/// Each program by its name.
+const std::map<std::string, std::string> kPrograms{
+    {"tribus", TRIBUS_PROGRAM}, {"tribus-web", TRIBUS_WEB}, {"tribus-mqtt", TRIBUS_MQTT}};
+
+std::string help_of(const std::string& program, const std::string& words) {
+    const Ended ended = run_in_shell("'" + kPrograms.at(program) + "' " + words + " --help");
+    EXPECT_EQ(ended.status, 0) << program << " " << words;
     return ended.output;
 }
 
@@ -27,34 +31,78 @@ std::vector<std::string> lines_of(const std::string& text) {
     return lines;
 }
 
-std::vector<std::string> commands() {
-    std::vector<std::string> names{""};
+std::vector<std::string> commands_of(const std::string& program) {
+    std::vector<std::string> names;
     bool listed = false;
-    for (const std::string& line : lines_of(help_of(""))) {
-        if (listed && line.starts_with("  ") && line.size() > 2 && line[2] != ' ') {
+    for (const std::string& line : lines_of(help_of(program, ""))) {
+        if (listed && !line.starts_with("  ")) {
+            break;
+        }
+        if (listed && line[2] != ' ') {
             names.push_back(line.substr(2, line.find(' ', 2) - 2));
         }
-        listed = listed || line == "Subcommands:";
+        listed = listed || line == "Commands:";
     }
     return names;
 }
 
-TEST(Help, of_every_command_keeps_to_80_columns) {
-    const std::vector<std::string> all = commands();
-    ASSERT_GE(all.size(), 15U);
-    for (const std::string& command : all) {
-        for (const std::string& line : lines_of(help_of(command))) {
-            EXPECT_LE(line.size(), 80U) << "tribus " << command << " --help: " << line;
+/// The help of a command, with that of each protocol whose settings are its options.
+std::string whole_help_of(const std::string& program, const std::string& command) {
+    std::string help = help_of(program, command);
+    if (command == "decode" || command == "encode") {
+        const Ended offered = run_in_shell("\"$TRIBUS\" --complete " + command + " --protocol ''");
+        for (const std::string& protocol : lines_of(offered.output)) {
+            help += help_of(program, command + " --protocol " + protocol);
         }
     }
+    return help;
 }
 
-TEST(Help, goes_on_under_the_text_of_an_option) {
-    const std::string help = help_of("decode");
-    const std::size_t at = help.find("\n  --as ");
-    ASSERT_NE(at, std::string::npos);
-    const std::string next = help.substr(help.find('\n', at + 1) + 1, 31);
-    EXPECT_EQ(next.find_first_not_of(' '), 30U) << help;
+TEST(Help, of_every_command_is_that_of_the_program_and_has_at_most_60_lines) {
+    for (const auto& [program, path] : kPrograms) {
+        std::vector<std::string> all = commands_of(program);
+        ASSERT_FALSE(all.empty()) << program;
+        all.insert(all.begin(), "");
+        for (const std::string& command : all) {
+            const std::string help = help_of(program, command);
+            EXPECT_TRUE(help.starts_with("Usage: " + program + " ")) << help;
+            EXPECT_LE(lines_of(help).size(), 60U) << help;
+            EXPECT_NE(help.find("\nExamples:\n"), help.npos) << help;
+            EXPECT_NE(help.find("\nExit status:\n"), help.npos) << help;
+        }
+    }
+    EXPECT_GE(commands_of("tribus").size(), 20U);
+}
+
+TEST(Help, names_the_protocols_and_shows_the_settings_of_one) {
+    const std::string help = help_of("tribus", "decode");
+    EXPECT_EQ(help.find("--slots"), help.npos);
+    EXPECT_NE(help.find("crsf-telemetry"), help.npos);
+    EXPECT_NE(help.find("`tribus decode --protocol sbus --help`"), help.npos);
+    const std::string ibus = help_of("tribus", "decode --protocol ibus");
+    EXPECT_NE(ibus.find("\n  --slots "), ibus.npos) << ibus;
+    EXPECT_EQ(ibus.find("--scale"), ibus.npos) << ibus;
+}
+
+TEST(Version, is_that_of_the_project_and_says_how_each_program_was_built) {
+    const std::string source = TRIBUS_SOURCE_DIR;
+    std::smatch version;
+    const std::string project = text_of_file(source + "/CMakeLists.txt");
+    ASSERT_TRUE(
+        std::regex_search(project, version, std::regex("project\\(tribus VERSION ([0-9.]+)")));
+    for (const auto& [program, path] : kPrograms) {
+        const Ended ended = run_in_shell("'" + path + "' --version");
+        EXPECT_EQ(ended.status, 0);
+        EXPECT_EQ(run_in_shell("'" + path + "' -V").output, ended.output);
+        const std::vector<std::string> lines = lines_of(ended.output);
+        ASSERT_EQ(lines.size(), 2U) << ended.output;
+        EXPECT_EQ(lines[0], program + " " + version[1].str());
+        static const std::regex how(
+            "built with [A-Za-z]+ [0-9.]+ for [^,]+ [a-z0-9_]+, [A-Za-z]+, "
+            "(not )?hardened(, -fsanitize=[a-z,]+)*"
+            "(, commit [0-9a-f]{12}( with changes)?)?");
+        EXPECT_TRUE(std::regex_match(lines[1], how)) << lines[1];
+    }
 }
 
 /// What a page shows as typed: blocks for a shell or of plain text, and words in ` `.
@@ -73,11 +121,14 @@ std::string typed_text_in(const std::filesystem::path& page) {
 }
 
 TEST(Help, knows_every_command_and_option_that_a_page_names) {
-    static const std::regex call_form(R"((?:^|[\n$ /(])tribus ([a-z]+)(?=[ \n])([^\n|;)]*))");
+    static const std::regex call_form(
+        R"((?:^|[\n$ /(])(tribus(?:-web|-mqtt)?) ([a-z]+)(?=[ \n])([^\n|;)]*))");
     static const std::regex option_form(R"((?:^| )(--[a-z][a-z0-9_-]*))");
     std::map<std::string, std::string> help;
-    for (const std::string& command : commands()) {
-        help[command] = help_of(command);
+    for (const auto& [program, path] : kPrograms) {
+        for (const std::string& command : commands_of(program)) {
+            help[program + " " + command] = whole_help_of(program, command);
+        }
     }
     std::size_t found = 0;
     for (const auto& page : manual_pages()) {
@@ -85,9 +136,9 @@ TEST(Help, knows_every_command_and_option_that_a_page_names) {
         for (std::sregex_iterator call(text.begin(), text.end(), call_form), none; call != none;
              ++call) {
             ++found;
-            const auto known = help.find((*call)[1]);
+            const auto known = help.find((*call)[1].str() + " " + (*call)[2].str());
             EXPECT_NE(known, help.end()) << page << ":" << call->str();
-            const std::string words = (*call)[2];
+            const std::string words = (*call)[3];
             for (std::sregex_iterator option(words.begin(), words.end(), option_form), no_option;
                  option != no_option && known != help.end(); ++option) {
                 EXPECT_NE(known->second.find((*option)[1].str()), std::string::npos)

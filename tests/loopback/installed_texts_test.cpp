@@ -3,12 +3,14 @@
 #include <regex>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "tests/support/pages.h"
 #include "tests/support/shell.h"
+#include "tests/support/temporary_folder.h"
 
 /// Compares the installed files with what the program itself prints.
 namespace tribus::test::installed_texts_test {
@@ -29,23 +31,27 @@ bool has(const Words& words, const std::string& word) {
     return std::ranges::find(words, word) != words.end();
 }
 
-/// Returns what bash offers for the last word of a command line.
-Words offered(const std::string& line) {
-    const Ended ended = run_in_shell("export TRIBUS; bash -c '. " TRIBUS_SOURCE_DIR
-                                     "/deploy/completions/tribus.bash; COMP_WORDS=(\"$TRIBUS\" " +
-                                     line +
-                                     "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _tribus; "
-                                     "echo \"${COMPREPLY[@]}\"'");
+/// Returns what bash offers for the last word of a command line, whose words are as readline breaks
+/// them. `before`: what the shell does before.
+Words offered(const std::string& line, const std::string& program = TRIBUS_PROGRAM,
+              const std::string& before = "") {
+    const Ended ended = run_in_shell(
+        before +
+        " bash -c '. " TRIBUS_SOURCE_DIR "/deploy/completions/tribus.bash; COMP_WORDS=(\"" +
+        program + "\" " + line +
+        "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _tribus; echo \"${COMPREPLY[@]}\"'");
     EXPECT_EQ(ended.status, 0) << ended.output;
     return words_of(ended.output);
 }
 
-Words commands() {
-    const Ended help = run_in_shell("\"$TRIBUS\" --help");
-    std::istringstream lines(help.output.substr(help.output.find("Subcommands:")));
+Words commands(const std::string& program = TRIBUS_PROGRAM) {
+    const Ended help = run_in_shell("'" + program + "' --help");
+    std::istringstream lines(help.output.substr(help.output.find("Commands:\n")));
+    std::string line;
+    std::getline(lines, line);
     Words names;
-    for (std::string line; std::getline(lines, line);) {
-        if (line.starts_with("  ") && line[2] != ' ') {
+    while (std::getline(lines, line) && line.starts_with("  ")) {
+        if (line[2] != ' ') {
             names.push_back(words_of(line).front());
         }
     }
@@ -58,6 +64,119 @@ TEST(BashCompletion, offers_every_command) {
     for (const std::string& command : commands()) {
         EXPECT_TRUE(has(all, command)) << command;
     }
+}
+
+TEST(BashCompletion, offers_the_commands_and_options_of_the_programs_beside) {
+    for (const std::string program : {TRIBUS_WEB, TRIBUS_MQTT}) {
+        EXPECT_FALSE(commands(program).empty());
+        EXPECT_EQ(offered("\"\"", program), commands(program));
+    }
+    EXPECT_EQ(offered("serve --li", TRIBUS_WEB), Words{"--listen"});
+    EXPECT_EQ(offered("run --br", TRIBUS_MQTT), Words{"--broker"});
+}
+
+TEST(BashCompletion, offers_choices_behind_the_equals_sign) {
+    EXPECT_EQ(offered("check --format = \"\""), (Words{"toml", "json"}));
+    EXPECT_EQ(offered("check --format ="), (Words{"toml", "json"}));
+    EXPECT_EQ(offered("check --format = j"), Words{"json"});
+    EXPECT_EQ(offered("decode --protocol = sbus --sc"), Words{"--scale"});
+    // COMP_WORDBREAKS without "=": the whole word is replaced.
+    EXPECT_EQ(offered("check --format=j"), Words{"--format=json"});
+}
+
+TEST(BashCompletion, offers_the_settings_of_the_protocol) {
+    EXPECT_EQ(offered("decode --protocol sbus --scale p"), Words{"px4"});
+    EXPECT_EQ(offered("decode --protocol dsm --scale \"\""), (Words{"spektrum", "betaflight"}));
+    EXPECT_FALSE(has(offered("decode --protocol ibus --scale \"\""), "betaflight"));
+}
+
+TEST(BashCompletion, offers_the_names_of_running_daemons) {
+    const TemporaryFolder folder;
+    const std::string here = "export XDG_RUNTIME_DIR='" + folder.path().string() + "';";
+    const std::string daemon =
+        here + "mkdir '" + folder.path().string() +
+        "/tribus'; '" TRIBUS_PROGRAM "' run --socket '" + folder.path().string() +
+        "/tribus/boat.sock' '" TRIBUS_SOURCE_DIR
+        "/config/examples/main-job.toml' >/dev/null 2>&1 & daemon=$!; "
+        "trap 'kill $daemon; wait $daemon' EXIT; for i in $(seq 300); do [ -S '" +
+        folder.path().string() + "/tribus/boat.sock' ] && break; sleep 0.1; done; ";
+    for (const std::string line : {"monitor bo", "status bo", "reload bo", "record bo",
+                                   "diff new.toml --daemon bo", "diff --daemon = bo"}) {
+        EXPECT_TRUE(has(offered(line, TRIBUS_PROGRAM, daemon), "boat")) << line;
+    }
+    EXPECT_EQ(offered("monitor bo", TRIBUS_PROGRAM, here), Words{});
+}
+
+/// Completion must not take longer than a program takes to start: it starts the program once, and
+/// nothing else.
+TEST(BashCompletion, starts_the_program_once_and_nothing_else) {
+    const TemporaryFolder folder;
+    const std::string log = (folder.path() / "log").string();
+    const std::string program = folder.write(
+        "tribus", "#!/bin/sh\necho \"$@\" >>'" + log + "'\nexec '" TRIBUS_PROGRAM "' \"$@\"\n");
+    std::filesystem::permissions(program, std::filesystem::perms::all);
+    const std::string nothing = "export PATH=/nonexistent; bash() { /bin/bash \"$@\"; };";
+    EXPECT_EQ(offered("decode --protocol ib", program, nothing),
+              (Words{"ibus", "ibus2", "ibus-sensor"}));
+    EXPECT_EQ(text_of_file(log), "--complete decode --protocol ib\n");
+    EXPECT_TRUE(has(offered("check " TRIBUS_SOURCE_DIR "/config/examples/main-j", program, nothing),
+                    TRIBUS_SOURCE_DIR "/config/examples/main-job.toml"));
+    EXPECT_EQ(words_of(text_of_file(log)).size(), 7U) << text_of_file(log);
+}
+
+TEST(BashCompletion, is_that_of_all_programs) {
+    const Ended ended =
+        run_in_shell("bash -c '. " TRIBUS_SOURCE_DIR
+                     "/deploy/completions/tribus.bash; complete -p tribus tribus-web "
+                     "tribus-mqtt'");
+    EXPECT_EQ(ended.output,
+              "complete -F _tribus tribus\ncomplete -F _tribus tribus-web\n"
+              "complete -F _tribus tribus-mqtt\n");
+}
+
+/// What fish offers for a command line of the program, which is found by its name.
+Words offered_by_fish(const std::string& line) {
+    const Ended ended =
+        run_in_shell("export HOME=/nonexistent; cd '" +
+                     std::filesystem::path(TRIBUS_PROGRAM).parent_path().string() +
+                     "'; PATH=\"$PWD:$PATH\" fish --no-config -c 'source " TRIBUS_SOURCE_DIR
+                     "/deploy/completions/tribus.fish; complete -C \"" +
+                     line + "\"' | cut -f 1");
+    return words_of(ended.output);
+}
+
+TEST(FishCompletion, offers_commands_options_and_choices) {
+    if (run_in_shell("fish --version").status != 0) {
+        GTEST_SKIP() << "needs fish";
+    }
+    EXPECT_EQ(offered_by_fish("tribus chec"), Words{"check"});
+    EXPECT_EQ(offered_by_fish("tribus check --form"), Words{"--format"});
+    EXPECT_EQ(offered_by_fish("tribus check --format j"), Words{"json"});
+    EXPECT_EQ(offered_by_fish("tribus check --format=j"), Words{"--format=json"});
+    EXPECT_EQ(offered_by_fish("tribus-web serv"), Words{"serve"});
+    EXPECT_EQ(offered_by_fish("tribus-mqtt run --brok"), Words{"--broker"});
+}
+
+/// What zsh is given to offer for the last of some words; FILES stands for the names of files.
+Words offered_by_zsh(const std::string& line) {
+    const Ended ended = run_in_shell(
+        "zsh -fc 'offer() { local -a words=(" TRIBUS_PROGRAM " " + line +
+        "); local CURRENT=${#words} PREFIX=${words[-1]}; . " TRIBUS_SOURCE_DIR
+        "/deploy/completions/_tribus; }; _describe() { print -rl -- ${${(P)4}%%:*}; }; "
+        "compset() { :; }; _files() { print FILES; }; offer'");
+    EXPECT_EQ(ended.status, 0) << ended.output;
+    return words_of(ended.output);
+}
+
+TEST(ZshCompletion, offers_commands_options_choices_and_files) {
+    if (run_in_shell("zsh --version").status != 0) {
+        GTEST_SKIP() << "needs zsh";
+    }
+    EXPECT_EQ(offered_by_zsh("chec"), Words{"check"});
+    EXPECT_EQ(offered_by_zsh("check --form"), Words{"--format"});
+    EXPECT_EQ(offered_by_zsh("check --format \"\""), (Words{"toml", "json"}));
+    EXPECT_EQ(offered_by_zsh("check --format=j"), Words{"json"});
+    EXPECT_EQ(offered_by_zsh("check x"), Words{"FILES"});
 }
 
 TEST(BashCompletion, offers_the_commands_that_begin_so) {
@@ -79,6 +198,7 @@ TEST(BashCompletion, offers_the_protocols) {
         EXPECT_TRUE(has(all, protocol)) << protocol;
     }
     EXPECT_EQ(offered("encode --protocol i"), Words{"ibus"});
+    EXPECT_TRUE(has(offered("record --protocol f"), "fport"));
 }
 
 TEST(BashCompletion, offers_the_choices_of_a_setting) {
@@ -103,13 +223,23 @@ std::string section_of(const std::string& page, const std::string& command) {
     return page.substr(begin, end - begin);
 }
 
-/// Its options, `--help` aside.
-Words options_of(const std::string& command, const std::string& program = "\"$TRIBUS\"") {
-    static const std::regex form(R"(\n +(?:-[a-zA-Z],)?--([a-z0-9_-]+))");
-    const std::string help = run_in_shell(program + " " + command + " --help").output;
+/// The protocols whose settings are options of a command; none if it has no such options.
+Words protocols_of(const std::string& command) {
+    return command == "decode" || command == "encode" ? offered(command + " --protocol \"\"")
+                                                      : Words{};
+}
+
+/// Its options with those of each protocol, `--help` aside.
+Words options_of(const std::string& command, const std::string& program = TRIBUS_PROGRAM) {
+    static const std::regex form(R"(\n  (?:-[a-zA-Z], )?--([a-z0-9_-]+))");
+    std::string help = run_in_shell("'" + program + "' " + command + " --help").output;
+    for (const std::string& protocol : protocols_of(command)) {
+        help += run_in_shell("'" + program + "' " + command + " --protocol " + protocol + " --help")
+                    .output;
+    }
     Words options;
     for (std::sregex_iterator match(help.begin(), help.end(), form), none; match != none; ++match) {
-        if ((*match)[1] != "help") {
+        if ((*match)[1] != "help" && !has(options, (*match)[1])) {
             options.push_back((*match)[1]);
         }
     }
@@ -167,11 +297,42 @@ Words described_in(const std::string& name) {
 }
 
 TEST(ManualPage, of_the_page_has_its_options_and_no_others) {
-    EXPECT_EQ(described_in("tribus-web.8"), options_of("serve", "'" TRIBUS_WEB "'"));
+    EXPECT_EQ(described_in("tribus-web.8"), options_of("serve", TRIBUS_WEB));
 }
 
 TEST(ManualPage, of_the_mqtt_bridge_has_its_options_and_no_others) {
-    EXPECT_EQ(described_in("tribus-mqtt.8"), options_of("run", "'" TRIBUS_MQTT "'"));
+    EXPECT_EQ(described_in("tribus-mqtt.8"), options_of("run", TRIBUS_MQTT));
+}
+
+TEST(ManualPage, of_the_programs_beside_have_their_commands_and_exit_statuses) {
+    for (const auto& [name, program] :
+         {std::pair{"tribus-web.8", TRIBUS_WEB}, std::pair{"tribus-mqtt.8", TRIBUS_MQTT}}) {
+        const std::string page =
+            text_of_file(std::filesystem::path(TRIBUS_SOURCE_DIR) / "deploy" / "man" / name);
+        for (const std::string& command : commands(program)) {
+            EXPECT_NE(page.find("\n.Cm " + command + "\n"), page.npos) << name << " " << command;
+            for (const std::string& option : options_of(command, program)) {
+                EXPECT_NE(page.find("Fl -" + option), page.npos) << name << " --" << option;
+            }
+        }
+        for (const char* section :
+             {"\n.Sh EXIT STATUS\n", "\n.Sh EXAMPLES\n", "\n.Fl V | -version\n"}) {
+            EXPECT_NE(page.find(section), page.npos) << name << " has no " << section;
+        }
+    }
+}
+
+/// The protocols that the manual page lists for an option of a command.
+TEST(ManualPage, lists_the_protocols_of_decode_and_encode) {
+    for (const std::string command : {"decode", "encode"}) {
+        const std::string section = section_of(kManualPage, command);
+        const std::size_t begin = section.find(".It Fl -protocol Ar NAME\n");
+        ASSERT_NE(begin, section.npos);
+        Words listed = words_of(section.substr(begin, section.find("\n.It ", begin + 1) - begin));
+        for (const std::string& protocol : protocols_of(command)) {
+            EXPECT_TRUE(has(listed, protocol)) << command << " " << protocol;
+        }
+    }
 }
 
 TEST(ManualPage, is_set_without_a_warning) {

@@ -137,14 +137,19 @@ Command pair_command() {
                     {.name = "--revoke",
                      .value = &options->revoke,
                      .help = "Name of a browser that may use the page no longer",
+                     .value_name = "NAME",
                      .excludes = {"--look", "--list"}},
                     {.name = "--state",
                      .value = &options->state,
-                     .help = "Folder of the paired browsers; default: /var/lib/tribus-web"},
+                     .help = "Folder of the paired browsers; default: /var/lib/tribus-web",
+                     .value_name = "FOLDER"},
                     {.name = "--configurations",
                      .value = &options->configurations,
                      .help = "Folder of the configurations, which a browser that may change them "
-                             "lets the page write; default: /etc/tribus"}},
+                             "lets the page write; default: /etc/tribus",
+                     .value_name = "FOLDER"}},
+        .examples = {{"sudo tribus pair", "a code for a browser that may change this board"},
+                     {"sudo tribus pair --list", "which browsers are paired"}},
         .run = [options] { return run(*options); },
     };
 }

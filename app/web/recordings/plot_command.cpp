@@ -17,7 +17,6 @@
 #include <fmt/format.h>
 
 #include "app/cli/exit_status.h"
-#include "app/cli/streams.h"
 #include "app/web/recordings/plot_recording.h"
 
 namespace tribus::web {
@@ -87,7 +86,7 @@ int plot(const PlotOptions& options) {
         return fail_plot(made.error());
     }
     write_plot(*made, std::cout);
-    return finish_standard_output(kExitFine);
+    return kExitFine;
 }
 
 }  // namespace
@@ -96,24 +95,29 @@ Command plot_command() {
     auto options = std::make_shared<PlotOptions>();
     return {.name = "plot",
             .help = "Print a recording of the flight recorder as JSON for a picture",
-            .footer = "The page asks for it; docs/web.md describes what is printed.",
+            .notes = "The page asks for it; docs/web.md describes what is printed.",
             .options = {{.name = "FOLDER",
                          .value = &options->folder,
                          .help = "Folder of the recording",
                          .required = true},
                         {.name = "--from",
                          .value = &options->from_us,
-                         .help = "Begin of the picture, in microseconds from the recording's",
-                         .shows_value = true},
+                         .help = "Begin of the picture, from that of the recording",
+                         .shows_value = true,
+                         .value_name = "MICROSECONDS"},
                         {.name = "--to",
                          .value = &options->to_us,
-                         .help = "End of the picture; beyond the recording's: that",
-                         .required = true},
+                         .help = "End of the picture; if the recording ends before, its end",
+                         .required = true,
+                         .value_name = "MICROSECONDS"},
                         {.name = "--width",
                          .value = &options->width,
                          .help = "Columns of the picture",
                          .required = true,
-                         .range = {{1, kMostPlotColumns}}}},
+                         .range = {{1, kMostPlotColumns}},
+                         .value_name = "NUMBER"}},
+            .examples = {{"tribus-web plot --to 5000000 --width 800 recording",
+                          "the first five seconds of the recording in that folder"}},
             .run = [options] { return plot(*options); }};
 }
 

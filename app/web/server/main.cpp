@@ -1,23 +1,10 @@
-#include <cstdio>
-#include <exception>
-#include <utility>
-#include <vector>
+#include <string>
 
 #include "app/cli/command_line.h"
-#include "app/cli/exit_status.h"
-#include "app/web/recordings/plot_command.h"
-#include "app/web/server/ports_command.h"
-#include "app/web/server/web_command.h"
+#include "app/web/server/web_program.h"
 
 int main(int argc, char** argv) {
-    // Libraries throw when memory fails; our own code does not throw.
-    try {
-        std::vector commands{tribus::web::web_command(TRIBUS_VERSION), tribus::web::ports_command(),
-                             tribus::web::plot_command()};
-        return tribus::run_command_line(std::move(commands), TRIBUS_VERSION, argc, argv);
-    } catch (const std::exception& error) {
-        std::fputs(error.what(), stderr);
-        std::fputs("\n", stderr);
-        return tribus::kExitFailed;
-    }
+    const tribus::BuildFacts built = tribus::build_facts();
+    return tribus::run_command_line(
+        [&] { return tribus::web::web_program(std::string(built.version)); }, built, argc, argv);
 }

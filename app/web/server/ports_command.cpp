@@ -113,10 +113,14 @@ Command ports_command() {
     return {
         .name = "ports",
         .help = "Do what the page asks of ports, for the connection on standard input",
-        .footer = "tribus-ports.socket starts it for each request.",
+        .notes = "tribus-ports.socket starts it for each request.",
         .options = {{.name = "--configurations",
                      .value = configurations.get(),
-                     .help = "Folder of the configurations; default: /etc/tribus"}},
+                     .help = "Folder of the configurations",
+                     .shows_value = true,
+                     .value_name = "FOLDER"}},
+        .examples = {{"echo '{}' | tribus-web ports",
+                      "what the page asks is one line of JSON; a wrong one gets an error as JSON"}},
         .run = [configurations] { return become(*configurations); },
     };
 }

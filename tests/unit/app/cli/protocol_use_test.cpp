@@ -163,8 +163,9 @@ TEST(ProtocolUse, FileAndTreeMayBeGivenAsInTheConfiguration) {
 }
 
 TEST(ProtocolUse, DeviceSettingsAreNoOptions) {
-    for (const SettingOption& option : setting_options(SettingScope::input)) {
-        EXPECT_NE(option.key, "inverted");
+    GivenSettings given;
+    for (const CommandOption& option : setting_options(SettingScope::input, "", given)) {
+        EXPECT_NE(option.name, "--inverted");
     }
 }
 
