@@ -80,6 +80,18 @@ std::optional<TwoPoints> read_scale(std::string_view key, const Value& value, Mi
         return std::nullopt;
     }
     const double slope = (us->numbers[1] - us->numbers[0]) / (raw->numbers[1] - raw->numbers[0]);
+    if (slope < 0) {
+        const bool raw_falls = raw->numbers[0] > raw->numbers[1];
+        const auto& falling = raw_falls ? raw->numbers : us->numbers;
+        const std::string_view name = raw_falls ? "raw" : "us";
+        mistakes.add(
+            raw_falls ? raw->where : us->where,
+            fmt::format("{0} is [{1}, {2}], the higher number first, unlike {3}; write "
+                        "{4} = [{2}, {1}]. A channel is turned round by reverse = true",
+                        in_quotes(name), format_number(falling[0]), format_number(falling[1]),
+                        in_quotes(raw_falls ? "us" : "raw"), name));
+        return std::nullopt;
+    }
     if (slope < kLeastSlope || slope > kMostSlope) {
         mistakes.add(value.where,
                      fmt::format("{} has a slope of {:.4g} us for each raw step; allowed: {} to {}",

@@ -79,9 +79,9 @@ tl::expected<std::unique_ptr<UdpLink>, std::string> UdpLink::open(const std::str
     if (!sender.empty() && !from) {
         return failed("\"" + sender + "\" is not an IP address");
     }
-    return std::unique_ptr<UdpLink>(new UdpLink(std::move(fd),
-                                                way == SettingScope::input ? UdpAddress{} : *parsed,
-                                                sender.empty() ? std::nullopt : from));
+    return std::unique_ptr<UdpLink>(
+        new UdpLink(std::move(fd), way == SettingScope::input ? UdpAddress{} : *parsed,
+                    sender.empty() ? std::nullopt : std::optional(*from)));
 }
 
 bool UdpLink::is_missing(const std::string& address) {
