@@ -80,7 +80,12 @@ std::string bare_text(const Value& value) {
 }
 
 std::string_view without_quotes(const Value& value) {
-    return value_in_text(value) ? ", without quotes" : "";
+    const auto* list = value.as<List>();
+    const bool quotes = list == nullptr ? value_in_text(value).has_value()
+                                        : std::ranges::any_of(list->items, [](const Value& item) {
+                                              return value_in_text(item).has_value();
+                                          });
+    return quotes ? ", without quotes" : "";
 }
 
 }  // namespace tribus

@@ -24,7 +24,8 @@ std::optional<Value> value_in_text(const Value& value);
 /// That number, `true` or `false` as it should stand in the file.
 std::string bare_text(const Value& value);
 
-/// For a message about a value of the wrong type: ", without quotes" if it is such a text.
+/// For a message about a value of the wrong type: ", without quotes" if it is such a text, or a
+/// list that has one.
 std::string_view without_quotes(const Value& value);
 
 }  // namespace tribus

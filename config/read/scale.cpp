@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "config/keys/keys.h"
+#include "config/language/numbers.h"
 #include "config/read/value.h"
 #include "config/schema/notation.h"
 #include "core/quotes.h"
@@ -51,9 +52,9 @@ std::optional<Pair> read_pair(const Table& table, Location where, std::string_vi
     }
     mistakes.add(
         entry->value.where,
-        fmt::format("{} is not a list of two different {}numbers from {} to {}; example: {}",
+        fmt::format("{} is not a list of two different {}numbers from {} to {}{}; example: {}",
                     in_quotes(name), name == "raw" ? "whole " : "", format_number(least),
-                    format_number(most), kExample));
+                    format_number(most), without_quotes(entry->value), kExample));
     return std::nullopt;
 }
 

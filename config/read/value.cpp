@@ -155,11 +155,17 @@ std::optional<std::string> turned_range(const Setting& setting, const Value& val
     return read_range(setting, turned) ? std::optional(describe(turned)) : std::nullopt;
 }
 
-/// Whether the value, or one in its list, is a number, `true` or `false` in quotes.
-bool has_needless_quotes(const Value& value) {
-    const auto* list = value.as<List>();
-    return list != nullptr ? std::ranges::any_of(list->items, has_needless_quotes)
-                           : value_in_text(value).has_value();
+bool is_written_in_quotes(SettingType type) {
+    switch (type) {
+        case SettingType::boolean:
+        case SettingType::integer:
+        case SettingType::number:
+        case SettingType::pulse:
+        case SettingType::pulses:
+            return false;
+        default:
+            return true;
+    }
 }
 
 /// What to do about a text that has a control character. It is often a path with backslashes.
@@ -175,20 +181,18 @@ std::string without_control_characters_hint(std::string_view text) {
 std::string what_to_write(const Key& key, const Value& value) {
     const Setting& setting = key.setting;
     const auto* text = value.as<std::string>();
-    const bool takes_text = setting.type == SettingType::text ||
-                            (setting.type != SettingType::integer && !setting.choices.empty());
-    if (text != nullptr && takes_text && !setting.choices.empty()) {
+    const bool quoted = is_written_in_quotes(setting.type);
+    if (text != nullptr && quoted && !setting.choices.empty()) {
         return suggestion(*text, setting.choices);
     }
     if (const auto turned = turned_range(setting, value)) {
         return fmt::format("the lower number comes first: {} = {}", setting.key, *turned);
     }
-    const bool quotes = !takes_text && has_needless_quotes(value);
-    const auto inside = quotes ? value_in_text(value) : std::nullopt;
+    const auto inside = quoted ? std::nullopt : value_in_text(value);
     if (inside && read_plain(setting, *inside)) {
         return fmt::format("leave the quotes out: {} = {}", setting.key, bare_text(value));
     }
-    return "allowed: " + allowed_values(key) + (quotes ? ", without quotes" : "") +
+    return "allowed: " + allowed_values(key) + std::string(quoted ? "" : without_quotes(value)) +
            (text != nullptr && has_control_characters(*text)
                 ? without_control_characters_hint(*text)
                 : "");
