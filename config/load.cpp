@@ -9,7 +9,10 @@
 
 #include "config/build/machine_mistakes.h"
 #include "config/check/cross_checks.h"
+#include "config/language/encoding.h"
+#include "config/language/typography.h"
 #include "config/read/dronecan.h"
+#include "config/read/header_lists.h"
 #include "config/read/line.h"
 #include "config/read/pipeline.h"
 #include "config/read/ports.h"
@@ -36,9 +39,14 @@ bool for_each_named(const Entry* kind, Reading reading, Read read) {
     }
     const auto* tables = kind->value.as<Table>();
     if (tables == nullptr) {
-        reading.mistakes.add(kind->value.where,
-                             fmt::format("{} is {}; allowed: a table with a name, [{}.NAME]",
-                                         in_quotes(kind->key), describe(kind->value), kind->key));
+        const auto* list = kind->value.as<List>();
+        const std::string found =
+            list != nullptr && list->of_headers
+                ? fmt::format("[[{}]] makes a list", kind->key)
+                : fmt::format("{} is {}", in_quotes(kind->key), describe(kind->value));
+        reading.mistakes.add(
+            kind->value.where,
+            fmt::format("{}; allowed: a table with a name, [{}.NAME]", found, kind->key));
         return false;
     }
     bool only_tables = true;
@@ -158,29 +166,37 @@ Configuration finish(Draft draft, std::string_view file_name) {
 }
 
 /// On a line with a mistake of syntax, reports only that mistake.
-Mistakes merge(const Mistakes& syntax, const Mistakes& meaning) {
-    Mistakes all = syntax;
+Mistakes without_follow_ons(const Mistakes& meaning, const Mistakes& syntax) {
+    Mistakes own(meaning.file());
     for (const Mistake& mistake : meaning.sorted()) {
         if (!syntax.on_line(mistake.where.line)) {
-            mistake.out_of_reach ? all.add_out_of_reach(mistake.where, mistake.text)
-                                 : all.add(mistake.where, mistake.text);
+            own.add(mistake);
         }
     }
-    return all;
+    return own;
 }
 
 }  // namespace
 
 tl::expected<Configuration, std::vector<Mistake>> load_configuration(std::string_view text,
                                                                      std::string_view file_name) {
+    Mistakes characters(file_name);
+    const auto decoded = decoded_text(text, characters);
+    if (!decoded) {
+        return tl::unexpected(characters.sorted());
+    }
     Mistakes syntax(file_name);
-    const Document document = read_document(text, syntax);
+    Document document = read_document(with_plain_characters(*decoded, characters), syntax);
     if (!document.readable) {
-        return tl::unexpected(syntax.sorted());
+        characters.add(syntax);
+        return tl::unexpected(characters.sorted());
     }
     Mistakes meaning(file_name);
+    replace_header_lists(document.root, meaning);
     Draft draft = read_draft(document, meaning);
-    const Mistakes all = merge(syntax, meaning);
+    Mistakes all = std::move(characters);
+    all.add(syntax);
+    all.add(without_follow_ons(meaning, syntax));
     if (!all.empty()) {
         return tl::unexpected(all.sorted());
     }

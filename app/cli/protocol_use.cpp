@@ -14,6 +14,7 @@
 #include "config/language/document.h"
 #include "config/language/mistakes.h"
 #include "config/language/parse_toml.h"
+#include "config/language/protocol_words.h"
 #include "config/read/value.h"
 #include "config/schema/notation.h"
 #include "core/quotes.h"
@@ -327,7 +328,7 @@ tl::expected<std::vector<ProtocolUse>, std::string> choose_protocols(std::string
     const Protocol* const named = find_protocol(name);
     if (named == nullptr && name != "auto") {
         return Refused(fmt::format("--protocol: {} is not a known protocol; {}", in_quotes(name),
-                                   suggestion(name, known_protocols(direction))));
+                                   protocol_suggestion(name, known_protocols(direction))));
     }
     std::vector<ProtocolUse> uses;
     std::string refused;

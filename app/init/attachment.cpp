@@ -10,7 +10,7 @@
 
 #include "app/doctor/examine.h"
 #include "app/doctor/port_kind.h"
-#include "config/language/mistakes.h"
+#include "config/language/protocol_words.h"
 #include "core/quotes.h"
 #include "transports/codecs/gamepad/gamepad.h"
 #include "transports/codecs/native_can/channels.h"
@@ -55,7 +55,7 @@ std::string protocol_refusal(std::string_view word, SettingScope way) {
     const auto allowed = offered_names(way);
     if (protocol == nullptr) {
         return fmt::format("there is no protocol {}; {}", in_quotes(word),
-                           suggestion(word, allowed));
+                           protocol_suggestion(word, allowed));
     }
     if (!protocol->goes(way)) {
         return fmt::format("{} cannot be {}; allowed: {}", word,

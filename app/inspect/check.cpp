@@ -9,17 +9,23 @@
 #include "app/cli/exit_status.h"
 #include "app/cli/load_or_explain.h"
 #include "config/check/absent_channels.h"
+#include "config/load.h"
 #include "config/show/effective.h"
 #include "config/show/json_schema.h"
 #include "config/show/manual.h"
+#include "config/show/mistakes_json.h"
 
 namespace tribus {
 
 namespace {
 
 int check(const std::string& path, bool json) {
-    const auto configuration = load_or_explain(path);
+    const auto configuration = load_configuration_file(path);
     if (!configuration) {
+        explain_mistakes(configuration.error());
+        if (json) {
+            fmt::print("{}", mistakes_document(configuration.error()));
+        }
         return kExitWrongUse;
     }
     for (const Mistake& remark : maps_of_absent_channels(*configuration)) {
@@ -44,7 +50,7 @@ Command check_command() {
         .options = {configuration_option(options->path),
                     {.name = "--format",
                      .value = &options->format,
-                     .help = "Form of the effective configuration",
+                     .help = "Form of the configuration, and of its mistakes with json",
                      .shows_value = true,
                      .choices = {"toml", "json"}}},
         .examples = {{"tribus check servos.toml", ""},

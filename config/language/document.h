@@ -19,6 +19,8 @@ struct Entry;
 
 struct List {
     std::vector<Value> items;
+    /// Its items are tables under headers of the form `[[name]]`.
+    bool of_headers = false;
 };
 
 /// A table, with its entries in the order of the file.
@@ -56,7 +58,7 @@ inline const Entry* Table::find(std::string_view key) const {
     return nullptr;
 }
 
-/// The value in words for a message: `20`, `"abc"`, `true`, `a list`, `a table`.
+/// The value in words for a message: `20`, `"abc"`, `true`, `[1, 2]`, `a list`, `a table`.
 std::string describe(const Value& value);
 
 }  // namespace tribus

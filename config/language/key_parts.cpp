@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "config/language/places.h"
+
 namespace tribus {
 namespace {
 
@@ -22,7 +24,7 @@ class Scan {
                 count(c);
             }
             if (parts_ > kMostKeyParts) {
-                return where_;
+                return place_.where();
             }
         }
         return std::nullopt;
@@ -33,15 +35,8 @@ class Scan {
     bool stands(std::string_view what) const { return text_.substr(at_).starts_with(what); }
 
     void step() {
-        const auto byte = static_cast<unsigned char>(text_[at_]);
+        place_.pass(text_[at_]);
         ++at_;
-        if (byte == '\n') {
-            ++where_.line;
-            where_.column = 1;
-        } else if ((byte & 0xC0U) != 0x80U) {
-            // Continuation bytes of UTF-8: a column is a character.
-            ++where_.column;
-        }
     }
     void step(std::size_t count) {
         for (; count > 0 && !at_end(); --count) {
@@ -76,7 +71,7 @@ class Scan {
 
     std::string_view text_;
     std::size_t at_ = 0;
-    Location where_{1, 1};
+    TextPlace place_;
     std::size_t parts_ = 1;
 };
 

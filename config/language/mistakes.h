@@ -37,6 +37,10 @@ class Mistakes {
     void add_out_of_reach(Location where, std::string text) {
         mistakes_.push_back({file_, where, std::move(text), true});
     }
+    void add(Mistake mistake) { mistakes_.push_back(std::move(mistake)); }
+    void add(const Mistakes& others) {
+        mistakes_.insert(mistakes_.end(), others.mistakes_.begin(), others.mistakes_.end());
+    }
     bool empty() const { return mistakes_.empty(); }
     /// Whether there is a mistake on that line.
     bool on_line(unsigned line) const;

@@ -67,6 +67,8 @@ Value convert(const toml::node& node) {
         for (const toml::node& item : *array) {
             list.items.push_back(convert(item));
         }
+        const toml::table* first = array->empty() ? nullptr : array->front().as_table();
+        list.of_headers = first != nullptr && !first->is_inline();
         value.content = std::move(list);
     }
     return value;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "config/language/nearest.h"
+#include "config/language/numbers.h"
 #include "config/read/rules.h"
 #include "config/read/value.h"
 #include "config/schema/notation.h"
@@ -33,9 +34,9 @@ Mix read_mix(const Value& value, Mistakes& mistakes) {
         } else if (!weight) {
             mistakes.add(entry.value.where,
                          fmt::format("the weight of channel {} is {}; allowed: a number from {} "
-                                     "to {}",
+                                     "to {}{}",
                                      entry.key, describe(entry.value), format_number(-kMostWeight),
-                                     format_number(kMostWeight)));
+                                     format_number(kMostWeight), without_quotes(entry.value)));
         } else {
             mix.terms.push_back({*channel, *weight});
         }
@@ -169,11 +170,12 @@ std::optional<ChannelRule> read_channel(const Entry& entry, Draft* draft, Readin
         rule.source = FromChannel{static_cast<std::size_t>(*number - 1)};
         return rule;
     }
-    reading.mistakes.add(entry.value.where,
-                         fmt::format("channel {} is {}; allowed: the number of an input channel "
-                                     "from 1 to {}, or a table such as {{ from = 1, reverse = "
-                                     "true }}",
-                                     entry.key, describe(entry.value), kChannelCount));
+    reading.mistakes.add(
+        entry.value.where,
+        fmt::format("channel {} is {}; allowed: the number of an input channel "
+                    "from 1 to {}{}, or a table such as {{ from = 1, reverse = "
+                    "true }}",
+                    entry.key, describe(entry.value), kChannelCount, without_quotes(entry.value)));
     return std::nullopt;
 }
 

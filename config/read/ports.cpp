@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "config/language/nearest.h"
+#include "config/language/numbers.h"
+#include "config/language/protocol_words.h"
 #include "config/read/line.h"
 #include "config/read/rules.h"
 #include "config/read/supervision.h"
@@ -18,8 +20,9 @@
 namespace tribus {
 namespace {
 
-/// The protocol that a table names, or the nearest name.
-const Protocol* meant_protocol(const Table& table, std::span<const Key> keys) {
+/// The protocol that a table names, or the nearest name. Null if it does not go that way, so that
+/// its keys are not judged.
+const Protocol* meant_protocol(const Table& table, std::span<const Key> keys, SettingScope way) {
     for (const Entry& entry : table.entries) {
         const Key* key = meant_key(entry.key, keys);
         const auto* name = entry.value.as<std::string>();
@@ -27,10 +30,14 @@ const Protocol* meant_protocol(const Table& table, std::span<const Key> keys) {
             continue;
         }
         if (const Protocol* protocol = find_protocol(*name)) {
-            return protocol;
+            return protocol->goes(way) ? protocol : nullptr;
         }
-        const auto near = nearest(*name, protocol_names());
-        return near ? find_protocol(*near) : nullptr;
+        // A table of somebody who thinks of a maker may have other keys than the protocol.
+        const auto names = protocol_names(way);
+        const auto near = nearest(*name, names);
+        const auto meant = protocols_meant(*name, names);
+        const bool misspelt = near && (meant.empty() || meant.front() == *near);
+        return misspelt ? find_protocol(*near) : nullptr;
     }
     return nullptr;
 }
@@ -55,7 +62,8 @@ struct PortKeys {
 
 /// Order of the keys in messages: protocol, place, common keys, keys of the protocol.
 PortKeys port_keys(const Table& table, std::span<const Key> common, SettingScope scope) {
-    PortKeys port{meant_protocol(table, common), nullptr, {common.begin(), common.end()}, {}};
+    PortKeys port{
+        meant_protocol(table, common, scope), nullptr, {common.begin(), common.end()}, {}};
     if (port.protocol != nullptr) {
         port.medium = meant_medium(table, *port.protocol);
         const auto own = protocol_keys(*port.protocol, *port.medium, scope);
@@ -64,8 +72,10 @@ PortKeys port_keys(const Table& table, std::span<const Key> common, SettingScope
         return port;
     }
     for (const Protocol* protocol : protocols()) {
-        std::ranges::move(names_of(protocol_keys(*protocol, scope)),
-                          std::back_inserter(port.tolerated));
+        for (const SettingScope way : {SettingScope::input, SettingScope::output}) {
+            std::ranges::move(names_of(protocol_keys(*protocol, way)),
+                              std::back_inserter(port.tolerated));
+        }
     }
     return port;
 }
@@ -84,19 +94,47 @@ SettingValues values_of(std::span<const Setting> settings, const TableContent& c
     return values;
 }
 
-/// Place of the value at the end of a path of keys, or of the last part of the path that exists.
-Location where_of(const std::vector<std::string>& path, const TableContent& content) {
-    if (path.empty()) {
-        return content.where("protocol");
+/// The same settings with the defaults that depend on them, in the order of the rows.
+SettingValues with_dependent_defaults(const Protocol& protocol, const SettingValues& settings,
+                                      SettingScope way) {
+    const SettingValues defaults = protocol.dependent_defaults(settings, way);
+    SettingValues all;
+    for (const Setting& setting : protocol.settings) {
+        const SettingValue* given = settings.find(setting.key);
+        if (const auto* value = given != nullptr ? given : defaults.find(setting.key)) {
+            all.set(setting.key, *value);
+        }
     }
-    Location where = content.where(path.front());
-    const Entry* entry = content.find(path.front());
+    return all;
+}
+
+/// The value at the end of a path of keys, or at the last part of the path that exists. Null if no
+/// part exists.
+const Value* value_at(const std::vector<std::string>& path, const TableContent& content) {
+    const Entry* entry = path.empty() ? nullptr : content.find(path.front());
+    const Value* value = entry == nullptr ? nullptr : &entry->value;
     for (std::size_t i = 1; entry != nullptr && i < path.size(); ++i) {
         const auto* table = entry->value.as<Table>();
         entry = table == nullptr ? nullptr : table->find(path[i]);
-        where = entry == nullptr ? where : entry->value.where;
+        value = entry == nullptr ? value : &entry->value;
     }
-    return where;
+    return value;
+}
+
+/// Place of that value, or else of the table or its protocol.
+Location where_of(const std::vector<std::string>& path, const TableContent& content) {
+    const Value* value = value_at(path, content);
+    return value != nullptr ? value->where
+                            : content.where(path.empty() ? "protocol" : path.front());
+}
+
+void add_found(const std::vector<SettingMistake>& found, const TableContent& content,
+               Mistakes& mistakes) {
+    for (const SettingMistake& mistake : found) {
+        const Value* value = value_at(mistake.path, content);
+        mistakes.add(where_of(mistake.path, content),
+                     mistake.text + std::string(value == nullptr ? "" : without_quotes(*value)));
+    }
 }
 
 /// Runs the protocol's own check if each of its keys is valid. Returns whether all is valid.
@@ -114,9 +152,7 @@ bool check_by_protocol(const PortKeys& port, const SettingValues& settings, Sett
         return true;
     }
     const auto found = port.protocol->check(settings, scope);
-    for (const SettingMistake& mistake : found) {
-        mistakes.add(where_of(mistake.path, content), mistake.text);
-    }
+    add_found(found, content, mistakes);
     return found.empty();
 }
 
@@ -154,9 +190,7 @@ bool check_by_medium(const PortConfig& port, KeyUse key, SettingScope scope,
         return sound;
     }
     const auto found = port.medium->check(port.device, port.settings, scope, key);
-    for (const SettingMistake& mistake : found) {
-        mistakes.add(where_of(mistake.path, content), mistake.text);
-    }
+    add_found(found, content, mistakes);
     return found.empty();
 }
 
@@ -254,6 +288,10 @@ void read_port(const Entry& entry, const PortKeys& port, SettingScope scope,
         draft.config.settings = values_of(port.protocol->settings, content);
     }
     draft.settings_sound = check_by_protocol(port, draft.config.settings, scope, content, mistakes);
+    if (draft.settings_sound && port.protocol->dependent_defaults != nullptr) {
+        draft.config.settings =
+            with_dependent_defaults(*port.protocol, draft.config.settings, scope);
+    }
     draft.config.port = port_config(port, content);
     draft.port_sound =
         port_sound(draft.config.port, meant_key_use(port, draft), scope, content, mistakes);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "config/keys/keys.h"
+#include "config/language/numbers.h"
 #include "config/read/value.h"
 #include "config/schema/notation.h"
 #include "core/quotes.h"
@@ -51,9 +52,9 @@ std::optional<Pair> read_pair(const Table& table, Location where, std::string_vi
     }
     mistakes.add(
         entry->value.where,
-        fmt::format("{} is not a list of two different {}numbers from {} to {}; example: {}",
+        fmt::format("{} is not a list of two different {}numbers from {} to {}{}; example: {}",
                     in_quotes(name), name == "raw" ? "whole " : "", format_number(least),
-                    format_number(most), kExample));
+                    format_number(most), without_quotes(entry->value), kExample));
     return std::nullopt;
 }
 
@@ -80,6 +81,18 @@ std::optional<TwoPoints> read_scale(std::string_view key, const Value& value, Mi
         return std::nullopt;
     }
     const double slope = (us->numbers[1] - us->numbers[0]) / (raw->numbers[1] - raw->numbers[0]);
+    if (slope < 0) {
+        const bool raw_falls = raw->numbers[0] > raw->numbers[1];
+        const auto& falling = raw_falls ? raw->numbers : us->numbers;
+        const std::string_view name = raw_falls ? "raw" : "us";
+        mistakes.add(
+            raw_falls ? raw->where : us->where,
+            fmt::format("{0} is [{1}, {2}], the higher number first, unlike {3}; write "
+                        "{4} = [{2}, {1}]. A channel is turned round by reverse = true",
+                        in_quotes(name), format_number(falling[0]), format_number(falling[1]),
+                        in_quotes(raw_falls ? "us" : "raw"), name));
+        return std::nullopt;
+    }
     if (slope < kLeastSlope || slope > kMostSlope) {
         mistakes.add(value.where,
                      fmt::format("{} has a slope of {:.4g} us for each raw step; allowed: {} to {}",

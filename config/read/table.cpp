@@ -8,6 +8,8 @@
 #include "config/keys/homes.h"
 #include "config/keys/words.h"
 #include "config/language/nearest.h"
+#include "config/language/protocol_words.h"
+#include "config/read/key_hints.h"
 #include "config/read/value.h"
 #include "core/quotes.h"
 #include "transports/registry/registry.h"
@@ -68,6 +70,11 @@ void report_other_place(const TableRef& ref, const Entry& entry, const Key& plac
 void report_unknown(const TableRef& ref, const Entry& entry, std::span<const Key> keys,
                     Mistakes& mistakes) {
     const auto names = names_of(keys);
+    if (const auto hint = hint_for_key(entry, ref, keys)) {
+        mistakes.add(entry.where, fmt::format("unknown key {} in {}; {}", in_quotes(entry.key),
+                                              ref.title, *hint));
+        return;
+    }
     const std::string home =
         nearest(entry.key, names) ? "" : home_of_key(entry.key, ref.side, ref.protocol);
     mistakes.add(entry.where, fmt::format("unknown {} {} in {}; {}{}",
@@ -114,11 +121,44 @@ SettingScope way_of(const TableRef& ref) {
     return ref.side == "output" ? SettingScope::output : SettingScope::input;
 }
 
+/// Where a protocol can stand that cannot stand here: "inputs", "outputs and [values.NAME]".
+std::string homes_of(const Protocol& protocol) {
+    const auto join = [](std::string& homes, std::string_view home) {
+        homes += (homes.empty() ? "" : " and ") + std::string(home);
+    };
+    std::string homes;
+    if (protocol.has_channels()) {
+        join(homes, protocol.goes(SettingScope::input) ? "inputs" : "outputs");
+    }
+    if (protocol.make_value_reader != nullptr) {
+        join(homes, "[values.NAME]");
+    }
+    if (homes.empty()) {
+        join(homes, "[sensor_bus.NAME]");
+    }
+    return homes;
+}
+
 std::optional<SettingValue> read_protocol_name(const TableRef& ref, const Value& value,
                                                Mistakes& mistakes) {
     const auto names = protocol_names(way_of(ref));
-    const Setting setting{.key = "protocol", .type = SettingType::choice, .choices = names};
-    return read_value({setting}, value, mistakes);
+    const auto* name = value.as<std::string>();
+    if (name == nullptr || std::ranges::find(names, *name) != names.end()) {
+        const Setting setting{.key = "protocol", .type = SettingType::choice, .choices = names};
+        return read_value({setting}, value, mistakes);
+    }
+    std::string reason;
+    if (const Protocol* protocol = find_protocol(*name)) {
+        reason = fmt::format(", which is for {} only", homes_of(*protocol));
+    } else if (protocols_meant(*name, names).empty()) {
+        for (const std::string_view meant : protocols_meant(*name, protocol_names())) {
+            reason += fmt::format(", and {} is for {} only", in_quotes(meant),
+                                  homes_of(*find_protocol(meant)));
+        }
+    }
+    mistakes.add(value.where, fmt::format("\"protocol\" is {}{}; {}", in_quotes(*name), reason,
+                                          protocol_suggestion(*name, names)));
+    return std::nullopt;
 }
 
 bool has_value(const Key& key) {

@@ -10,6 +10,7 @@
 
 #include "config/keys/keys.h"
 #include "config/language/key_file.h"
+#include "config/language/numbers.h"
 #include "config/language/read_tree.h"
 #include "config/read/scale.h"
 #include "config/schema/notation.h"
@@ -144,15 +145,57 @@ std::string usual_duration(const Key& key) {
     return value ? written(key.setting.type, *value) : "\"14ms\"";
 }
 
+/// What the value should be, if it is a range with its numbers in the wrong order.
+std::optional<std::string> turned_range(const Setting& setting, const Value& value) {
+    const auto* list = value.as<List>();
+    if (setting.type != SettingType::pulses || list == nullptr || list->items.size() != 2) {
+        return std::nullopt;
+    }
+    const Value turned{value.where, List{{list->items[1], list->items[0]}}};
+    return read_range(setting, turned) ? std::optional(describe(turned)) : std::nullopt;
+}
+
+bool is_written_in_quotes(SettingType type) {
+    switch (type) {
+        case SettingType::boolean:
+        case SettingType::integer:
+        case SettingType::number:
+        case SettingType::pulse:
+        case SettingType::pulses:
+            return false;
+        default:
+            return true;
+    }
+}
+
+/// What to do about a text that has a control character. It is often a path with backslashes.
+std::string without_control_characters_hint(std::string_view text) {
+    constexpr std::string_view kMadeByEscapes = "\b\t\n\f\r";
+    return fmt::format(", without control characters{}",
+                       text.find_first_of(kMadeByEscapes) == std::string_view::npos
+                           ? ""
+                           : "; a backslash begins an escape between \", and stands for itself "
+                             "between '");
+}
+
 std::string what_to_write(const Key& key, const Value& value) {
     const Setting& setting = key.setting;
     const auto* text = value.as<std::string>();
-    const bool choices_are_text = setting.type != SettingType::integer && !setting.choices.empty();
-    if (text != nullptr && choices_are_text) {
+    const bool quoted = is_written_in_quotes(setting.type);
+    if (text != nullptr && quoted && !setting.choices.empty()) {
         return suggestion(*text, setting.choices);
     }
-    return "allowed: " + allowed_values(key) +
-           (text != nullptr && has_control_characters(*text) ? ", without control characters" : "");
+    if (const auto turned = turned_range(setting, value)) {
+        return fmt::format("the lower number comes first: {} = {}", setting.key, *turned);
+    }
+    const auto inside = quoted ? std::nullopt : value_in_text(value);
+    if (inside && read_plain(setting, *inside)) {
+        return fmt::format("leave the quotes out: {} = {}", setting.key, bare_text(value));
+    }
+    return "allowed: " + allowed_values(key) + std::string(quoted ? "" : without_quotes(value)) +
+           (text != nullptr && has_control_characters(*text)
+                ? without_control_characters_hint(*text)
+                : "");
 }
 
 }  // namespace
@@ -180,8 +223,8 @@ std::string allowed_values(const Key& key) {
         case SettingType::pulse:
             return "microseconds" + limits;
         case SettingType::pulses:
-            return fmt::format("two numbers of microseconds{}, the lower one first: [985, 995]",
-                               limits);
+            return fmt::format("two numbers of microseconds{}, the lower one first: {}", limits,
+                               setting.example.empty() ? "[985, 995]" : setting.example);
         case SettingType::slew:
             return fmt::format("microseconds per second{}, text such as \"2000us/s\"", limits);
         case SettingType::file:

@@ -152,6 +152,8 @@ std::optional<PortConfig> read_byte_port(const TableContent& content, const Prot
     for (const Setting& setting : port.medium->settings) {
         if (const SettingValue* value = content.values().find(setting.key)) {
             port.settings.set(setting.key, *value);
+        } else if (!setting.fallback.empty()) {
+            port.settings.set(setting.key, default_of(setting));
         }
     }
     if (!content.sound(place) || !content.sound("baud") || !content.sound("public") ||

@@ -28,9 +28,6 @@ Json sensor_json(const SensorConfig& sensor) {
         }
     }
     json.update(fields_json(sensor, sensor_keys()));
-    if (sensor.offset == 0) {
-        json.erase("offset");
-    }
     return json;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/loopback/loopback.h"
 
@@ -82,6 +83,20 @@ TEST_F(Loopback, CheckWarnsOfAMapThatReadsAChannelWhichTheInputMayNotHave) {
               std::string::npos)
         << check.errors();
     EXPECT_NE(check.output().find("[pipeline.main.channels]"), std::string::npos);
+}
+
+TEST_F(Loopback, CheckPrintsMistakesAsJsonToo) {
+    const std::string path =
+        std::string(TRIBUS_SOURCE_DIR) + "/tests/unit/config/ten_mistakes.toml";
+    Program& check = start({"check", path, "--format", "json"});
+    EXPECT_EQ(check.end(), 2);
+    const auto mistakes = nlohmann::json::parse(check.output())["mistakes"];
+    ASSERT_EQ(mistakes.size(), 10U);
+    EXPECT_EQ(mistakes[0]["file"], path);
+    EXPECT_EQ(mistakes[0]["line"], 2);
+    EXPECT_EQ(mistakes[0]["column"], 12);
+    EXPECT_EQ(mistakes[0]["text"], "\"priority\" is 100; allowed: a whole number from 1 to 99");
+    EXPECT_NE(check.errors().find(path + ":2:12: \"priority\" is 100"), std::string::npos);
 }
 
 class TenMistakes : public Loopback, public testing::WithParamInterface<Words> {};

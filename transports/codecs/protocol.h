@@ -86,6 +86,10 @@ struct Protocol {
     std::optional<std::uint32_t> (*sure_channels)(const SettingValues&) = nullptr;
     /// Errors in settings that are each valid alone. Null: none possible.
     std::vector<SettingMistake> (*check)(const SettingValues&, SettingScope) = nullptr;
+    /// The defaults that depend on the direction or on other settings (`absent` says in words what
+    /// they are), for those keys that have an effect. Keys that were given may be among them. The
+    /// settings must be checked. Null: none.
+    SettingValues (*dependent_defaults)(const SettingValues&, SettingScope) = nullptr;
     /// The named values that an output with these settings sends. Null: none.
     std::vector<NamedUse> (*value_names)(const SettingValues&) = nullptr;
     /// Whether an output with these settings sends channels. If not, it needs no pipeline. Null:

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "core/channel_frame.h"
@@ -15,6 +16,11 @@ namespace tribus {
 inline const SettingTree::Table* table_of(const SettingValues& settings, std::string_view key) {
     const auto* tree = settings.find_as<SettingTree>(key);
     return tree == nullptr ? nullptr : tree->as<SettingTree::Table>();
+}
+
+/// An entry with the number of a channel, which counts from 0 here.
+inline SettingEntry channel_entry(std::string_view key, std::size_t channel) {
+    return {std::string(key), SettingTree{static_cast<std::int64_t>(channel) + 1}};
 }
 
 /// The channel that a number from 1 to kChannelCount names, counted from 0. Nothing for others.

@@ -19,20 +19,12 @@
 #include "config/language/read_document.h"
 #include "config/language/read_file.h"
 #include "config/load.h"
+#include "config/show/mistakes_json.h"
 
 namespace tribus::web {
 namespace {
 
 namespace fs = std::filesystem;
-Json list_of(const std::vector<Mistake>& mistakes) {
-    Json list = Json::array();
-    for (const Mistake& mistake : mistakes) {
-        list.push_back({{"line", mistake.where.line},
-                        {"column", mistake.where.column},
-                        {"text", mistake.text}});
-    }
-    return list;
-}
 
 std::vector<std::string> lines_of(const std::string& text) {
     std::istringstream stream(text);
@@ -67,14 +59,14 @@ tl::expected<Configuration, HttpAnswer> configuration_in(const std::string& runn
 
 Json check_draft(const std::string& text, const fs::path& file) {
     const auto configuration = load_configuration(text, file.string());
-    return {{"mistakes", configuration ? Json::array() : list_of(configuration.error())}};
+    return {{"mistakes", configuration ? Json::array() : mistakes_json(configuration.error())}};
 }
 
 HttpAnswer picture_of_draft(const std::string& text, const fs::path& file) {
     const auto configuration = load_configuration(text, file.string());
     return configuration ? picture(*configuration)
                          : json_answer({{"error", "the draft has mistakes"},
-                                        {"mistakes", list_of(configuration.error())}},
+                                        {"mistakes", mistakes_json(configuration.error())}},
                                        400);
 }
 
@@ -91,8 +83,9 @@ HttpAnswer difference_to(const std::string& running, const std::string& text, co
     }
     const auto fresh = load_configuration(text, file.string());
     if (!fresh) {
-        return json_answer(
-            {{"same", false}, {"lines", Json::array()}, {"mistakes", list_of(fresh.error())}});
+        return json_answer({{"same", false},
+                            {"lines", Json::array()},
+                            {"mistakes", mistakes_json(fresh.error())}});
     }
     const auto lines = lines_of(configuration_difference(*before, *fresh));
     return json_answer(

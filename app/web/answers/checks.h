@@ -11,7 +11,7 @@
 /// from there. Reads files that the draft names.
 namespace tribus::web {
 
-/// `{"mistakes": [{"line", "column", "text"}]}`.
+/// `{"mistakes": [{"file", "line", "column", "text"}]}`.
 nlohmann::ordered_json check_draft(const std::string& text, const std::filesystem::path& file);
 /// A picture, or the mistakes with status 400.
 HttpAnswer picture_of_draft(const std::string& text, const std::filesystem::path& file);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <ostream>
+#include <regex>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -54,6 +55,26 @@ inline std::string other_places() {
         places += key == "device" ? "" : "; or \"" + key + "\": " + std::string(medium->place.help);
     }
     return places;
+}
+
+/// `"ibus", "sbus", ...`: all protocols that go that way, in the order of the registry.
+inline std::string protocols_in_quotes(SettingScope way) {
+    std::string list;
+    for (const Protocol* protocol : protocols()) {
+        if (protocol->goes(way)) {
+            list += (list.empty() ? "\"" : ", \"") + std::string(protocol->name) + "\"";
+        }
+    }
+    return list;
+}
+
+/// INPUTS and OUTPUTS stand for the protocols of that way, OTHER_PLACES for the keys of further
+/// media that carry bytes.
+inline std::string written_out(std::string text) {
+    text = std::regex_replace(text, std::regex("OTHER_PLACES"), other_places());
+    text = std::regex_replace(text, std::regex("INPUTS"), protocols_in_quotes(SettingScope::input));
+    return std::regex_replace(text, std::regex("OUTPUTS"),
+                              protocols_in_quotes(SettingScope::output));
 }
 
 /// Loads a text that must be a valid configuration.

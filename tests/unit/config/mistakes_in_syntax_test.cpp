@@ -59,9 +59,9 @@ device = "/dev/ttyC")",
      R"(device = "/dev/ttyB"
 force = yes)",
      R"(t.toml:7:9: yes is not a valid value; allowed: true or false, or text in quotes)"},
-    {"invalid_utf_8", 3, R"(device = "/dev/tty\xff")",
-     R"(t.toml:3:20: not valid TOML: Error while parsing string: escape sequence '\x' )"
-     R"(is not supported in TOML 1.0.0 and earlier)"},
+    {"escape_that_toml_lacks", 3, R"(device = "/dev/tty\xff")",
+     R"(t.toml:3:10: "/dev/tty\xff" has a backslash, which begins an escape between "; write )"
+     R"('/dev/tty\xff' or "/dev/tty\\xff")"},
     {"words_after_a_value", 3, R"(device = "/dev/ttyA" "/dev/ttyC")",
      R"(t.toml:3:22: not valid TOML: Error while parsing key-value pair: expected a )"
      R"(comment or whitespace, saw '"')"},

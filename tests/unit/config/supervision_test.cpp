@@ -102,8 +102,8 @@ failsafe_when = [{ all_zero = true, channel = 3 }])",
     {"a_range_that_is_the_wrong_way_round", 3,
      R"(device = "/dev/ttyA"
 plausible = [2100, 900])",
-     R"(t.toml:4:13: "plausible" is a list; allowed: two numbers of microseconds from 0 to )"
-     R"(4095, the lower one first: [985, 995])"},
+     R"(t.toml:4:13: "plausible" is [2100, 900]; the lower number comes first: plausible = [900, )"
+     R"(2100])"},
     {"a_range_of_one_number", 3,
      R"(device = "/dev/ttyA"
 failsafe_when = [{ channel = 3, between = 900 }])",

@@ -1,7 +1,6 @@
 #include "transports/codecs/dbc/lexer.h"
 
-#include <array>
-#include <cstdint>
+#include "core/utf8.h"
 
 namespace tribus {
 namespace {
@@ -19,59 +18,6 @@ bool is_word_byte(char byte) {
 /// Old editors end a file with 0x1A.
 bool is_blank(char byte) {
     return byte == ' ' || (byte >= '\t' && byte <= '\r') || byte == '\x1A';
-}
-
-/// Length in bytes of the UTF-8 character at the start of `text`; 0 if it is not valid.
-std::size_t utf8_length(std::string_view text) {
-    const auto byte = [&](std::size_t at) -> unsigned {
-        return at < text.size() ? static_cast<unsigned char>(text[at]) : 0U;
-    };
-    const unsigned first = byte(0);
-    const std::size_t length = first < 0x80                     ? 1
-                               : first >= 0xC2 && first <= 0xDF ? 2
-                               : first >= 0xE0 && first <= 0xEF ? 3
-                               : first >= 0xF0 && first <= 0xF4 ? 4
-                                                                : 0;
-    for (std::size_t at = 1; at < length; ++at) {
-        if ((byte(at) & 0xC0U) != 0x80) {
-            return 0;
-        }
-    }
-    // An overlong form, half of a surrogate pair, or beyond the last character.
-    const bool forbidden = (first == 0xE0 && byte(1) < 0xA0) || (first == 0xED && byte(1) > 0x9F) ||
-                           (first == 0xF0 && byte(1) < 0x90) || (first == 0xF4 && byte(1) > 0x8F);
-    return forbidden ? 0 : length;
-}
-
-bool is_utf8(std::string_view text) {
-    while (!text.empty()) {
-        const std::size_t length = utf8_length(text);
-        if (length == 0) {
-            return false;
-        }
-        text.remove_prefix(length);
-    }
-    return true;
-}
-
-/// 0x80 to 0x9F of cp1252 in Unicode. Its five gaps become the replacement character.
-constexpr std::array<std::uint16_t, 32> kCp1252{
-    0x20AC, 0xFFFD, 0x201A, 0x0192, 0x201E, 0x2026, 0x2020, 0x2021, 0x02C6, 0x2030, 0x0160,
-    0x2039, 0x0152, 0xFFFD, 0x017D, 0xFFFD, 0xFFFD, 0x2018, 0x2019, 0x201C, 0x201D, 0x2022,
-    0x2013, 0x2014, 0x02DC, 0x2122, 0x0161, 0x203A, 0x0153, 0xFFFD, 0x017E, 0x0178};
-
-void append_utf8(std::string& text, unsigned character) {
-    const auto put = [&](unsigned byte) { text.push_back(static_cast<char>(byte)); };
-    if (character < 0x80) {
-        put(character);
-    } else if (character < 0x800) {
-        put(0xC0U | (character >> 6U));
-        put(0x80U | (character & 0x3FU));
-    } else {
-        put(0xE0U | (character >> 12U));
-        put(0x80U | ((character >> 6U) & 0x3FU));
-        put(0x80U | (character & 0x3FU));
-    }
 }
 
 }  // namespace
@@ -199,8 +145,7 @@ std::string utf8_from_dbc(std::string_view text) {
     }
     std::string converted;
     for (const char byte : text) {
-        const unsigned value = static_cast<unsigned char>(byte);
-        append_utf8(converted, value >= 0x80 && value < 0xA0 ? kCp1252[value - 0x80] : value);
+        append_utf8(converted, windows_1252_character(byte));
     }
     return converted;
 }

@@ -278,6 +278,24 @@ std::vector<SettingMistake> check(const SettingValues& settings, SettingScope sc
     return mistakes;
 }
 
+SettingValues dependent_defaults(const SettingValues& settings, SettingScope way) {
+    SettingValues defaults;
+    const bool sends = way == SettingScope::output;
+    if (carries_rc(settings)) {
+        const RcOutputFormat format = rc_output(settings);
+        if (sends) {
+            defaults.set("receiver", std::int64_t{format.receiver});
+            defaults.set("channels", static_cast<std::int64_t>(format.channels));
+        }
+        return defaults;
+    }
+    const std::size_t channels =
+        sends ? command_output(settings).channels : command_input(settings).channels;
+    defaults.set("channels", static_cast<std::int64_t>(channels));
+    defaults.set("first", std::int64_t{first_of(settings)});
+    return defaults;
+}
+
 std::vector<NamedUse> value_names(const SettingValues& settings) {
     const RcOutputFormat format = rc_output(settings);
     const bool named = carries_rc(settings) && format.quality == RcQuality::value;
@@ -315,6 +333,7 @@ const Protocol kDroneCanProtocol{
     .most_period = dronecan::most_period,
     .signals_failsafe = dronecan::carries_rc,
     .check = dronecan::check,
+    .dependent_defaults = dronecan::dependent_defaults,
     .value_names = dronecan::value_names,
     .make_decoder = dronecan::make_decoder,
     .make_encoder = dronecan::make_encoder,

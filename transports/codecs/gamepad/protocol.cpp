@@ -50,6 +50,26 @@ constexpr std::array kGamepadKeys{
             .example = "\"2s\""},
 };
 
+SettingTree::Table usual_gamepad_axes() {
+    const SettingTree::Table turned{channel_entry("channel", 2), {"reverse", SettingTree{true}}};
+    return {channel_entry("ABS_RX", 0),
+            channel_entry("ABS_RY", 1),
+            {"ABS_Y", SettingTree{turned}},
+            channel_entry("ABS_X", 3)};
+}
+
+SettingTree::Table usual_gamepad_buttons() {
+    return {channel_entry("BTN_SOUTH", 4), channel_entry("BTN_EAST", 5),
+            channel_entry("BTN_WEST", 6), channel_entry("BTN_NORTH", 7)};
+}
+
+SettingValues gamepad_defaults(const SettingValues& /*settings*/, SettingScope /*way*/) {
+    SettingValues defaults;
+    defaults.set("axes", SettingTree{usual_gamepad_axes()});
+    defaults.set("buttons", SettingTree{usual_gamepad_buttons()});
+    return defaults;
+}
+
 using GamepadPath = std::vector<std::string>;
 
 /// The channel of an axis or a button, and its one flag.
@@ -92,11 +112,7 @@ class GamepadReader {
 
     void read_axes(GamepadSettings& gamepad) {
         const auto* entries = table_of(settings_, "axes");
-        if (entries == nullptr) {
-            gamepad.axes = {{0x03, 0}, {0x04, 1}, {0x01, 2, true}, {0x00, 3}};
-            return;
-        }
-        for (const SettingEntry& entry : *entries) {
+        for (const SettingEntry& entry : entries == nullptr ? usual_gamepad_axes() : *entries) {
             const auto code = gamepad_axis_code(entry.key);
             const auto mapped = read_mapped(entry, "axes", "reverse");
             if (!code) {
@@ -111,11 +127,7 @@ class GamepadReader {
 
     void read_buttons(GamepadSettings& gamepad) {
         const auto* entries = table_of(settings_, "buttons");
-        if (entries == nullptr) {
-            gamepad.buttons = {{0x130, 4}, {0x131, 5}, {0x134, 6}, {0x133, 7}};
-            return;
-        }
-        for (const SettingEntry& entry : *entries) {
+        for (const SettingEntry& entry : entries == nullptr ? usual_gamepad_buttons() : *entries) {
             const auto code = gamepad_button_code(entry.key);
             const auto mapped = read_mapped(entry, "buttons", "toggle");
             if (!code) {
@@ -186,6 +198,7 @@ const Protocol kGamepadProtocol{
     .least_period = std::chrono::milliseconds(20),
     .signals_failsafe = always_signals_failsafe,
     .check = check_gamepad,
+    .dependent_defaults = gamepad_defaults,
     .make_decoder = make_gamepad_decoder,
 };
 

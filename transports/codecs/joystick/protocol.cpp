@@ -45,6 +45,31 @@ constexpr std::array kJoystickKeys{
             .example = "3"},
 };
 
+/// Channels 1 to 8, in this order.
+SettingTree::Table usual_joystick_axes() {
+    SettingTree::Table axes;
+    for (const std::string_view name : kJoystickAxes) {
+        axes.push_back(channel_entry(name, axes.size()));
+    }
+    return axes;
+}
+
+/// Channels 9 to 18, in this order.
+SettingTree::Table usual_joystick_buttons() {
+    SettingTree::Table buttons;
+    for (std::size_t channel = kJoystickAxes.size(); channel < kChannelCount; ++channel) {
+        buttons.push_back(channel_entry(std::to_string(buttons.size() + 1), channel));
+    }
+    return buttons;
+}
+
+SettingValues joystick_defaults(const SettingValues& /*settings*/, SettingScope /*way*/) {
+    SettingValues defaults;
+    defaults.set("axes", SettingTree{usual_joystick_axes()});
+    defaults.set("buttons", SettingTree{usual_joystick_buttons()});
+    return defaults;
+}
+
 using JoystickPath = std::vector<std::string>;
 
 /// Reads the tables of axes and buttons, and collects mistakes.
@@ -77,10 +102,7 @@ class JoystickReader {
 
     void read_axes(JoystickSettings& joystick) {
         const auto* entries = table_of(settings_, "axes");
-        for (std::size_t axis = 0; entries == nullptr && axis < joystick.axes.size(); ++axis) {
-            joystick.axes[axis] = axis;
-        }
-        for (const SettingEntry& entry : entries == nullptr ? SettingTree::Table{} : *entries) {
+        for (const SettingEntry& entry : entries == nullptr ? usual_joystick_axes() : *entries) {
             const auto name = std::ranges::find(kJoystickAxes, entry.key);
             if (name == kJoystickAxes.end()) {
                 wrong(
@@ -95,15 +117,8 @@ class JoystickReader {
     }
 
     void read_buttons(JoystickSettings& joystick) {
-        constexpr std::size_t kFirstButtonChannel = 8;
         const auto* entries = table_of(settings_, "buttons");
-        for (std::size_t channel = kFirstButtonChannel;
-             entries == nullptr && channel < kChannelCount; ++channel) {
-            joystick.buttons.push_back({.button = channel - kFirstButtonChannel,
-                                        .channel = channel,
-                                        .above = kCentrePulse});
-        }
-        for (const SettingEntry& entry : entries == nullptr ? SettingTree::Table{} : *entries) {
+        for (const SettingEntry& entry : entries == nullptr ? usual_joystick_buttons() : *entries) {
             const JoystickPath path{"buttons", entry.key};
             const std::size_t number = std::strtoul(entry.key.c_str(), nullptr, 10);
             if (number < 1 || number > kJoystickButtons || std::to_string(number) != entry.key) {
@@ -204,6 +219,7 @@ const Protocol kJoystickProtocol{
     .least_period = std::chrono::milliseconds(1),
     .signals_failsafe = never_signals_failsafe,
     .check = check_joystick,
+    .dependent_defaults = joystick_defaults,
     .make_encoder = make_joystick_encoder,
 };
 

@@ -155,6 +155,24 @@ MavlinkEncoder::Settings encoder_settings(const SettingValues& settings) {
             .link_id = id_setting(settings, "link_id", 0)};
 }
 
+SettingValues mavlink_defaults(const SettingValues& settings, SettingScope way) {
+    SettingValues defaults;
+    if (way != SettingScope::output) {
+        return defaults;
+    }
+    const MavlinkEncoder::Settings sent = encoder_settings(settings);
+    defaults.set("message",
+                 std::string(kMavlinkMessageNames[static_cast<std::size_t>(sent.message)]));
+    defaults.set("system", std::int64_t{sent.system});
+    if (sent.message != MavlinkChannels::manual_control) {
+        defaults.set("channels", static_cast<std::int64_t>(sent.channels));
+    }
+    if (sent.key) {
+        defaults.set("link_id", std::int64_t{sent.link_id});
+    }
+    return defaults;
+}
+
 void check_signing(const SettingValues& settings, bool version_1,
                    std::vector<SettingMistake>& mistakes) {
     const bool signs = settings.find("key") != nullptr;
@@ -289,6 +307,7 @@ const Protocol kMavlinkProtocol{
     .default_timeout = std::chrono::milliseconds(500),
     .signals_failsafe = mavlink_signals_failsafe,
     .check = check_mavlink,
+    .dependent_defaults = mavlink_defaults,
     .advice_without_effect = mavlink_advice,
     .make_decoder = make_mavlink_decoder,
     .make_encoder = make_mavlink_encoder,

@@ -3,19 +3,30 @@
 #include <arpa/inet.h>
 #include <netinet/in.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <string_view>
 
 namespace tribus {
 namespace {
 
-std::optional<std::uint16_t> parse_port(std::string_view text) {
+using WrongAddress = tl::unexpected<std::string>;
+
+tl::expected<std::uint16_t, std::string> parse_port(std::string_view text) {
     std::uint16_t port = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
     const bool whole = error == std::errc() && end == text.data() + text.size();
-    return whole && port != 0 ? std::optional(port) : std::nullopt;
+    if (whole && port != 0) {
+        return port;
+    }
+    const bool number = text.find_first_not_of("0123456789", text.starts_with('-') ? 1 : 0) ==
+                        std::string_view::npos;
+    return WrongAddress(text.empty() ? "the port is missing"
+                        : number     ? "port " + std::string(text) + " is out of range"
+                                     : "port " + std::string(text) + " is not a number");
 }
 
 template <class Address>
@@ -49,20 +60,29 @@ std::optional<UdpAddress> version_6(const std::string& host, std::uint16_t port)
 
 }  // namespace
 
-std::optional<UdpAddress> parse_udp_address(const std::string& text) {
+tl::expected<UdpAddress, std::string> parse_udp_address(const std::string& text) {
+    const bool in_brackets = text.starts_with('[');
     const std::size_t colon = text.rfind(':');
-    if (colon == std::string::npos) {
-        return std::nullopt;
+    const bool version_6_digits =
+        text.find_first_not_of("0123456789abcdefABCDEF:.") == std::string::npos;
+    if (version_6_digits && std::ranges::count(text, ':') > 1) {
+        return WrongAddress("an address of IP version 6 stands in brackets");
+    }
+    if (colon == std::string::npos || text.ends_with(']')) {
+        return WrongAddress("the port is missing");
     }
     const auto port = parse_port(std::string_view(text).substr(colon + 1));
-    const std::string host = text.substr(0, colon);
     if (!port) {
-        return std::nullopt;
+        return WrongAddress(port.error());
     }
-    if (host.starts_with('[') && host.ends_with(']')) {
-        return version_6(host.substr(1, host.size() - 2), *port);
+    const std::string host = text.substr(0, colon);
+    const bool closed = in_brackets && host.ends_with(']');
+    const auto address =
+        closed ? version_6(host.substr(1, host.size() - 2), *port) : version_4(host, *port);
+    if (!address) {
+        return WrongAddress(host + " is not an IP address in digits");
     }
-    return version_4(host, *port);
+    return *address;
 }
 
 bool is_same_host(const UdpAddress& one, const UdpAddress& other) {

@@ -2,8 +2,9 @@
 
 #include <sys/socket.h>
 
-#include <optional>
 #include <string>
+
+#include <tl/expected.hpp>
 
 namespace tribus {
 
@@ -18,8 +19,8 @@ struct UdpAddress {
 };
 
 /// Reads `127.0.0.1:5501` or `[::1]:5501`: an address in digits and a port from 1 to 65535. Names
-/// are not looked up, because that may block. Nothing if it is neither. Pure.
-std::optional<UdpAddress> parse_udp_address(const std::string& text);
+/// are not looked up, because that may block. The error says what is wrong with the text. Pure.
+tl::expected<UdpAddress, std::string> parse_udp_address(const std::string& text);
 
 /// Whether the IP addresses are the same, whatever the ports. Pure.
 bool is_same_host(const UdpAddress& one, const UdpAddress& other);

@@ -58,7 +58,7 @@ tl::expected<std::unique_ptr<UdpLink>, std::string> UdpLink::open(const std::str
     };
     const auto parsed = parse_udp_address(address);
     if (!parsed) {
-        return failed("this is not an address with a port, such as 127.0.0.1:5501");
+        return failed(parsed.error() + "; give an address with a port, such as 127.0.0.1:5501");
     }
     UniqueFd fd = socket_for(*parsed);
     if (!fd.valid()) {
@@ -79,9 +79,9 @@ tl::expected<std::unique_ptr<UdpLink>, std::string> UdpLink::open(const std::str
     if (!sender.empty() && !from) {
         return failed("\"" + sender + "\" is not an IP address");
     }
-    return std::unique_ptr<UdpLink>(new UdpLink(std::move(fd),
-                                                way == SettingScope::input ? UdpAddress{} : *parsed,
-                                                sender.empty() ? std::nullopt : from));
+    return std::unique_ptr<UdpLink>(
+        new UdpLink(std::move(fd), way == SettingScope::input ? UdpAddress{} : *parsed,
+                    sender.empty() ? std::nullopt : std::optional(*from)));
 }
 
 bool UdpLink::is_missing(const std::string& address) {

@@ -28,9 +28,9 @@ std::vector<SettingMistake> check(const std::string& place, const SettingValues&
     const auto address = parse_udp_address(place);
     if (!address) {
         return {{{"address"},
-                 "\"address\" is \"" + place +
-                     "\"; allowed: an IP address in digits and a port, such as \"127.0.0.1:5501\" "
-                     "or \"[::1]:5501\""}};
+                 "\"address\" is \"" + place + "\": " + address.error() +
+                     "; allowed: an IP address in digits and a port from 1 to 65535, such as "
+                     "\"127.0.0.1:5501\" or \"[::1]:5501\""}};
     }
     if (!address->loopback && key == KeyUse::possible) {
         return {{{"address"},

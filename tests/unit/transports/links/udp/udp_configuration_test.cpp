@@ -86,8 +86,9 @@ TEST(UdpConfiguration, AnAddressOutsideOfThisMachineMustBeAllowed) {
 
 TEST(UdpConfiguration, AnAddressIsInDigitsWithAPort) {
     EXPECT_EQ(mistakes_in(job("address = \"localhost:5501\"", kThere)),
-              Lines{R"(t.toml:3:11: "address" is "localhost:5501"; allowed: an IP address in )"
-                    R"(digits and a port, such as "127.0.0.1:5501" or "[::1]:5501")"});
+              Lines{R"(t.toml:3:11: "address" is "localhost:5501": localhost is not an IP address )"
+                    R"(in digits; allowed: an IP address in digits and a port from 1 to 65535, )"
+                    R"(such as "127.0.0.1:5501" or "[::1]:5501")"});
 }
 
 TEST(UdpConfiguration, ABusHasNoAddress) {

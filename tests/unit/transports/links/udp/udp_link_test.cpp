@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -232,6 +233,27 @@ TEST(UdpAddress, IsAnAddressInDigitsWithAPort) {
                             "127.0.0.1:5x", "127.0.0.1:-1", "localhost:5501", "::1:5501", "[::1]",
                             "[::1:5501", "127.0.0.1 :5501", "1.2.3:4", "[]:1"}) {
         EXPECT_FALSE(parse_udp_address(bad)) << bad;
+    }
+}
+
+TEST(UdpAddress, SaysWhatIsWrong) {
+    const std::map<std::string, std::string> reasons{
+        {"127.0.0.1:70000", "port 70000 is out of range"},
+        {"127.0.0.1:0", "port 0 is out of range"},
+        {"127.0.0.1:-1", "port -1 is out of range"},
+        {"127.0.0.1:99999999999", "port 99999999999 is out of range"},
+        {"127.0.0.1:5x", "port 5x is not a number"},
+        {"127.0.0.1", "the port is missing"},
+        {"127.0.0.1:", "the port is missing"},
+        {"[::1]", "the port is missing"},
+        {"::1:5501", "an address of IP version 6 stands in brackets"},
+        {"localhost:5501", "localhost is not an IP address in digits"},
+        {"udp://127.0.0.1:5501", "udp://127.0.0.1 is not an IP address in digits"},
+    };
+    for (const auto& [address, reason] : reasons) {
+        const auto parsed = parse_udp_address(address);
+        ASSERT_FALSE(parsed) << address;
+        EXPECT_EQ(parsed.error(), reason);
     }
 }
 

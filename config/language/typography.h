@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "config/language/mistakes.h"
+
+namespace tribus {
+
+/// Replaces characters that text processors and web pages put where a program expects others:
+/// typographic quotes, no-break spaces, dashes before numbers, characters without a width, line
+/// separators. Each kind is one mistake, however often it occurs. What stands inside quotes and
+/// comments stays. `text` must be valid UTF-8.
+std::string with_plain_characters(std::string_view text, Mistakes& mistakes);
+
+}  // namespace tribus
