@@ -93,7 +93,7 @@ bool is_part(const std::vector<LinePart>& parts, std::size_t at, std::string_vie
 
 std::optional<Correction> correct_number(const std::vector<LinePart>& parts, std::size_t at) {
     const LinePart& part = parts[at];
-    if (part.in_quotes || at == 0 || is_part(parts, at + 1, "=")) {
+    if (part.in_quotes || is_part(parts, at + 1, "=")) {
         return std::nullopt;
     }
     const auto repair = repaired_number(part.text);

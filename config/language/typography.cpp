@@ -27,7 +27,7 @@ struct ForeignKind {
 constexpr std::array kForeignKinds{
     ForeignKind{"is a typographic quote", "\" or '", "\""},
     ForeignKind{"is a typographic quote", "\" or '", "'"},
-    ForeignKind{"is not a plain space", "a space", " ", false},
+    ForeignKind{"looks like a space, but is none", "a space", " ", false},
     ForeignKind{"is a dash", "the minus of the keyboard, -", "-"},
     ForeignKind{"is a character without a width", "nothing; delete it", "", false},
     ForeignKind{"does not end a line in TOML", "LF, or CR LF", "\n", false},

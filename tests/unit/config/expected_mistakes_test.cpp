@@ -78,7 +78,7 @@ constexpr Spoilt kCharacters[]{
      "t.toml:2:12: \u201c (U+201C) is a typographic quote; allowed: \" or '\n"
      "t.toml:2:12: \"protocol\" is \"ibuz\"; did you mean \"ibus\"? Allowed: INPUTS"},
     {"no_break_spaces", 2, "protocol\u00a0=\u202f\"ibus\"",
-     "t.toml:2:9: U+00A0 is not a plain space; allowed: a space"},
+     "t.toml:2:9: U+00A0 looks like a space, but is none; allowed: a space"},
     {"a_character_without_width", 2, "\u200bprotocol = \"ibus\"",
      "t.toml:2:1: U+200B is a character without a width; allowed: nothing; delete it"},
     {"a_byte_order_mark_in_the_middle", 4, "\ufeff[output.servos]",
@@ -95,6 +95,9 @@ constexpr Spoilt kSyntax[]{
      "t.toml:4:8: 0115200 is not a valid value: a number does not begin with 0; write 115200"},
     {"leading_zeros_in_a_list", 3, "device = \"/dev/ttyA\"\nplausible = [0800, 02200]",
      "t.toml:4:14: 0800 is not a valid value: a number does not begin with 0; write 800"},
+    {"a_leading_zero_in_a_list_of_several_lines", 3,
+     "device = \"/dev/ttyA\"\nplausible = [\n  0800,\n  2200,\n]",
+     "t.toml:5:3: 0800 is not a valid value: a number does not begin with 0; write 800"},
     {"a_leading_zero_in_an_inline_table", 10,
      "[pipeline.main.channels]\n1 = { from = 2, trim = -05 }",
      "t.toml:11:24: -05 is not a valid value: a number does not begin with 0; write -5"},

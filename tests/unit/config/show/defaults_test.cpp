@@ -157,7 +157,7 @@ TEST_F(Defaults, OfEveryProtocolOnEveryMediumInBothDirectionsArePrinted) {
                     continue;
                 }
                 const bool in = way == SettingScope::input;
-                const Json all = printed_here(minimal_job(*protocol, *medium, way));
+                Json all = printed_here(minimal_job(*protocol, *medium, way));
                 const Json& table = in ? all["input"]["receiver"] : all["output"]["servos"];
                 const std::string name = std::string(protocol->name) +
                                          (in ? " in on " : " out on ") + std::string(medium->name);
@@ -198,47 +198,44 @@ TEST_F(Defaults, ThatDependOnOtherKeysArePrinted) {
         {dronecan + "carries = \"motors\"\n", "receiver", nullptr},
     };
     for (const auto& [lines, key, value] : defaults) {
-        const Json all = printed_here("[output.servos]\n" + lines + std::string(kInput) +
-                                      std::string(kPipeline));
+        Json all = printed_here("[output.servos]\n" + lines + std::string(kInput) +
+                                std::string(kPipeline));
         const Json& table = all["output"]["servos"];
         EXPECT_EQ(table.contains(key) ? table[key] : Json(), value) << key << "\n" << lines;
     }
 }
 
 TEST_F(Defaults, OfInputsThatListenToTheFirstSenderAreNoSender) {
-    const Json all =
-        printed_here("[input.receiver]\nprotocol = \"mavlink\"\ndevice = \"/dev/ttyA\"\n" +
-                     std::string(kOutput) + std::string(kPipeline));
+    Json all = printed_here("[input.receiver]\nprotocol = \"mavlink\"\ndevice = \"/dev/ttyA\"\n" +
+                            std::string(kOutput) + std::string(kPipeline));
     EXPECT_FALSE(all["input"]["receiver"].contains("system"));
     EXPECT_FALSE(all["input"]["receiver"].contains("message"));
 }
 
 TEST_F(Defaults, OfMapsAreThoseOfTheManual) {
-    const Json pad = printed_here(
+    Json pad = printed_here(
         "[input.receiver]\nprotocol = \"gamepad\"\n"
         "device = \"/dev/input/event0\"\n" +
         std::string(kOutput) + std::string(kPipeline))["input"]["receiver"];
     EXPECT_EQ(pad["axes"].dump(),
               R"({"ABS_RX":1,"ABS_RY":2,"ABS_X":4,"ABS_Y":{"channel":3,"reverse":true}})");
     EXPECT_EQ(pad["buttons"].dump(), R"({"BTN_EAST":6,"BTN_NORTH":8,"BTN_SOUTH":5,"BTN_WEST":7})");
-    const Json stick =
-        printed_here("[output.servos]\nprotocol = \"joystick\"\nname = \"tribus\"\n" +
-                     std::string(kInput) + std::string(kPipeline))["output"]["servos"];
+    Json stick = printed_here("[output.servos]\nprotocol = \"joystick\"\nname = \"tribus\"\n" +
+                              std::string(kInput) + std::string(kPipeline))["output"]["servos"];
     EXPECT_EQ(stick["axes"]["ABS_RUDDER"], 8);
     EXPECT_EQ(stick["buttons"]["1"], 9);
     EXPECT_EQ(stick["buttons"]["10"], 18);
 }
 
 TEST_F(Defaults, OfTablesThatAreThereOnceArePrinted) {
-    const Json all = printed_here(main_job_and("[recorder]\ndirectory = \"/tmp\"\n"));
+    Json all = printed_here(main_job_and("[recorder]\ndirectory = \"/tmp\"\n"));
     expect_defaults(all["runtime"], runtime_keys(), to_all, "runtime");
     expect_defaults(all["recorder"], recorder_keys(), to_all, "recorder");
 }
 
 TEST_F(Defaults, OfPipelinesArePrinted) {
-    const Json all =
-        printed_here(main_job_and("[pipeline.main.channels]\n1 = { from = 2, trim = 5 }\n"));
-    const Json& pipeline = all["pipeline"]["main"];
+    Json all = printed_here(main_job_and("[pipeline.main.channels]\n1 = { from = 2, trim = 5 }\n"));
+    Json& pipeline = all["pipeline"]["main"];
     const Applies without_vote = [](std::string_view key) { return key != "tolerance"; };
     expect_defaults(pipeline, pipeline_keys(), without_vote, "pipeline");
     expect_defaults(pipeline["failsafe"]["output"]["servos"], output_failsafe_keys(), to_all,
@@ -247,11 +244,11 @@ TEST_F(Defaults, OfPipelinesArePrinted) {
 }
 
 TEST_F(Defaults, OfAMedianIncludeItsTolerance) {
-    const Json all = printed_here(std::string(kInput) + std::string(kOutput) +
-                                  "[input.b]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyC\"\n"
-                                  "[input.c]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyD\"\n"
-                                  "[pipeline.main]\nfrom = [\"receiver\", \"b\", \"c\"]\nto = "
-                                  "\"servos\"\nmode = \"median\"\n");
+    Json all = printed_here(std::string(kInput) + std::string(kOutput) +
+                            "[input.b]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyC\"\n"
+                            "[input.c]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyD\"\n"
+                            "[pipeline.main]\nfrom = [\"receiver\", \"b\", \"c\"]\nto = "
+                            "\"servos\"\nmode = \"median\"\n");
     expect_defaults(all["pipeline"]["main"], pipeline_keys(), to_all, "pipeline");
 }
 
@@ -267,7 +264,7 @@ TEST_F(Defaults, OfLinesOfEveryRoleArePrinted) {
             lines += "[pipeline.main.channels]\n9 = { line = \"x\" }\n";
         }
         const bool selects = role == LineRole::select;
-        const Json all = printed_here(
+        Json all = printed_here(
             std::string(kInput) + std::string(kOutput) + lines + "[pipeline.main]\nfrom = " +
             (selects ? "[\"receiver\", \"b\"]" : "\"receiver\"") + "\nto = \"servos\"\n");
         expect_defaults(
@@ -278,7 +275,7 @@ TEST_F(Defaults, OfLinesOfEveryRoleArePrinted) {
 }
 
 TEST_F(Defaults, OfSensorBusesOfBothRolesArePrinted) {
-    const Json all = printed_here(main_job_and(
+    Json all = printed_here(main_job_and(
         "[values.battery]\nconstant = 12\nunit = \"V\"\n"
         "[sensor_type.own]\nid = 81\n"
         "[sensor_bus.sensor]\ndevice = \"/dev/ttyD\"\nrole = \"sensor\"\n"
@@ -295,7 +292,7 @@ TEST_F(Defaults, OfSensorBusesOfBothRolesArePrinted) {
 }
 
 TEST_F(Defaults, OfValuesOfEveryKindArePrinted) {
-    const Json all = printed_here(main_job_and(
+    Json all = printed_here(main_job_and(
         "[dronecan.node]\ninterface = \"can0\"\nnode_id = 7\n"
         "[values.dbc]\ninterface = \"can0\"\ndbc = \"rover.dbc\"\nmessage = \"Battery\"\n"
         "[values.bus]\ninterface = \"can0\"\ndronecan = \"uavcan.equipment.power.BatteryInfo\"\n"
