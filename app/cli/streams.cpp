@@ -7,13 +7,16 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstddef>
+#include <cstdio>
 #include <cstring>
 #include <iostream>
 #include <utility>
 
 #include "app/cli/exit_status.h"
+#include "config/show/paragraph.h"
 
 namespace tribus {
 namespace {
@@ -126,10 +129,21 @@ void FilePieces::rewind() {
     }
 }
 
-std::optional<std::size_t> terminal_columns() {
+std::optional<std::size_t> terminal_columns(int descriptor) {
     winsize size{};
-    const bool known = ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+    const bool known = ::ioctl(descriptor, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
     return known ? std::optional<std::size_t>(size.ws_col) : std::nullopt;
+}
+
+std::size_t text_columns(int descriptor) {
+    constexpr std::size_t kPlainColumns = 80;
+    constexpr std::size_t kMostColumns = 100;
+    return std::min(terminal_columns(descriptor).value_or(kPlainColumns), kMostColumns);
+}
+
+void tell_person(std::string_view text, std::string_view first) {
+    const std::string rest(first.size(), ' ');
+    fmt::print(stderr, "{}", paragraph(first, rest, text, text_columns(STDERR_FILENO)));
 }
 
 int finish_standard_output(int status) {
