@@ -1,16 +1,27 @@
 #pragma once
 
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstdio>
+#include <string>
 #include <string_view>
 
 #include <fmt/format.h>
 
+#include "app/cli/streams.h"
+
 namespace tribus {
 
-/// Prints to standard error why a command of this program failed. Returns the exit status.
+/// Prints to standard error why a command of this program failed: in one line, which a terminal
+/// breaks at words. Returns the exit status.
 inline int complain(std::string_view text, int status) {
-    fmt::print(stderr, "{}: {}\n", ::program_invocation_short_name, text);
+    const std::string line = fmt::format("{}: {}", ::program_invocation_short_name, text);
+    if (::isatty(STDERR_FILENO) == 1) {
+        tell_person(line);
+    } else {
+        fmt::print(stderr, "{}\n", line);
+    }
     return status;
 }
 

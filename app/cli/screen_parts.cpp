@@ -27,18 +27,37 @@ std::size_t control_length(std::string_view text) {
     return byte(0) == kFirstOfLatin && byte(1) < kAboveControls ? 2 : 0;
 }
 
+std::string_view cut_mark(const ScreenStyle& style) {
+    return style.unicode ? "…" : ">";
+}
+
 void Line::add(std::string_view text, std::string_view colour) {
     const bool coloured = style_.colour && !colour.empty() && !text.empty();
     text_ += coloured ? colour : std::string_view();
-    for (std::size_t i = 0; i < text.size() && width_ < style_.columns; ++width_) {
+    std::size_t i = 0;
+    for (; i < text.size() && width_ < style_.columns; ++width_) {
         std::size_t length = 1;
         while (i + length < text.size() && (text[i + length] & 0xC0) == 0x80) {
             ++length;
         }
-        text_ += control_length(text.substr(i)) > 0 ? "?" : text.substr(i, length);
+        const std::string_view shown =
+            control_length(text.substr(i)) > 0 ? std::string_view("?") : text.substr(i, length);
+        last_at_ = text_.size();
+        last_length_ = shown.size();
+        text_ += shown;
         i += length;
     }
     text_ += coloured ? kReset : std::string_view();
+    if (text.find_first_not_of(' ', i) != std::string_view::npos) {
+        mark_cut();
+    }
+}
+
+void Line::mark_cut() {
+    if (!cut_ && width_ > 0) {
+        text_.replace(last_at_, last_length_, cut_mark(style_));
+        cut_ = true;
+    }
 }
 
 std::string bar(std::optional<double> pulse_us, std::size_t width, bool unicode) {

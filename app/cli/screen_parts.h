@@ -34,8 +34,12 @@ inline constexpr std::string_view kEraseRest = "\x1b[K\r\n";
 /// obey: below blank, delete, or U+0080 to U+009F. 0 if there is none.
 std::size_t control_length(std::string_view text);
 
+/// Shows that something was cut off.
+std::string_view cut_mark(const ScreenStyle& style);
+
 /// One line of text that knows its visible width, so that it can be cut without breaking a colour
-/// sequence. Control characters become '?', because names may come from anywhere.
+/// sequence. Where more than blanks is cut off, the line ends with the mark. Control characters
+/// become '?', because names may come from anywhere.
 class Line {
   public:
     explicit Line(const ScreenStyle& style) : style_(style) {}
@@ -46,9 +50,14 @@ class Line {
     std::string take() { return std::move(text_); }
 
   private:
+    void mark_cut();
+
     const ScreenStyle& style_;
     std::string text_;
     std::size_t width_ = 0;
+    std::size_t last_at_ = 0;  ///< place in `text_` of the last visible character
+    std::size_t last_length_ = 0;
+    bool cut_ = false;
 };
 
 /// A bar with a scale of 900 to 2100 us, filled from its centre to the value. `width` is at least

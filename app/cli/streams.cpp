@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstddef>
 #include <cstdio>
@@ -16,6 +17,7 @@
 
 #include "app/cli/complain.h"
 #include "app/cli/exit_status.h"
+#include "config/show/paragraph.h"
 
 namespace tribus {
 namespace {
@@ -128,9 +130,9 @@ void FilePieces::rewind() {
     }
 }
 
-std::optional<std::size_t> terminal_columns() {
+std::optional<std::size_t> terminal_columns(int descriptor) {
     winsize size{};
-    const bool known = ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+    const bool known = ::ioctl(descriptor, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
     return known ? std::optional<std::size_t>(size.ws_col) : std::nullopt;
 }
 
@@ -146,6 +148,17 @@ bool print_line_now(std::string_view line) {
     std::fwrite(line.data(), 1, line.size(), stdout);
     std::fputc('\n', stdout);
     return std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+}
+
+std::size_t text_columns(int descriptor) {
+    constexpr std::size_t kPlainColumns = 80;
+    constexpr std::size_t kMostColumns = 100;
+    return std::min(terminal_columns(descriptor).value_or(kPlainColumns), kMostColumns);
+}
+
+void tell_person(std::string_view text, std::string_view first) {
+    const std::string rest(first.size(), ' ');
+    fmt::print(stderr, "{}", paragraph(first, rest, text, text_columns(STDERR_FILENO)));
 }
 
 int finish_standard_output(int status) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <sys/types.h>
+#include <unistd.h>
 
 #include <cstddef>
 #include <memory>
@@ -70,8 +71,15 @@ class FilePieces final : public Pieces {
     std::optional<std::string> failed_;
 };
 
-/// Width of the terminal on standard output; nothing if it is no terminal.
-std::optional<std::size_t> terminal_columns();
+/// Width of the terminal on this stream; nothing if it is no terminal.
+std::optional<std::size_t> terminal_columns(int descriptor = STDOUT_FILENO);
+/// Width of sentences on this stream, which are broken at words: that of its terminal, but no more
+/// than is easy to read; 80 without a terminal.
+std::size_t text_columns(int descriptor);
+
+/// Prints sentences to standard error for the person in front of the terminal. The first line
+/// begins with `first`, the others are indented by its length.
+void tell_person(std::string_view text, std::string_view first = {});
 
 /// Gives standard streams that the caller has closed a descriptor of which the use fails, so that
 /// no file that is opened later takes their place. Call it first in main.

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "app/journal/terminal_stream.h"
+
 namespace tribus {
 
 ScreenStyle screen_style() {
@@ -15,7 +17,7 @@ ScreenStyle screen_style() {
         style.columns = size.ws_col;
         style.rows = size.ws_row;
     }
-    style.colour = std::getenv("NO_COLOR") == nullptr;
+    style.colour = shows_colour(STDOUT_FILENO);
     std::string_view locale;
     for (const char* name : {"LC_ALL", "LC_CTYPE", "LANG"}) {
         const char* value = std::getenv(name);

@@ -10,7 +10,7 @@
 /// The terminal on standard output, for live views.
 namespace tribus {
 
-/// From its present size, the locale, and NO_COLOR.
+/// From its present size, the locale, and whether it shows colour.
 ScreenStyle screen_style();
 
 /// The terminal's alternate screen without a cursor, while it lives.

@@ -25,6 +25,7 @@
 #include "app/cli/terminal.h"
 #include "app/demo/demo_peers.h"
 #include "app/demo/demo_screen.h"
+#include "app/journal/terminal_stream.h"
 #include "config/language/mistakes.h"
 #include "config/load.h"
 #include "pipelines/realtime/clock.h"
@@ -141,7 +142,7 @@ class Demo {
           out_rate_(start_) {}
 
     int run(const sigset_t& ending_signals) {
-        const bool terminal = ::isatty(STDOUT_FILENO) == 1;
+        const bool terminal = is_screen(STDOUT_FILENO);
         {
             const auto screen = terminal ? std::make_unique<AlternateScreen>() : nullptr;
             show_until_end(terminal, ending_signals);

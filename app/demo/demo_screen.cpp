@@ -84,6 +84,12 @@ std::string column_titles(const ScreenStyle& style) {
     return line.take();
 }
 
+std::string hidden_channels(std::size_t count, const ScreenStyle& style) {
+    Line line(style);
+    line.add(fmt::format("{} {} more channels", style.unicode ? "…" : "...", count), kDim);
+    return line.take();
+}
+
 std::vector<std::string> closing(const DemoFigures& figures, const ScreenStyle& style) {
     Line counts(style);
     counts.add(fmt::format("frames {} in, {} out, ", figures.frames_in, figures.frames_out));
@@ -109,9 +115,14 @@ std::string draw_demo(const DemoFigures& figures, const ScreenStyle& style) {
         lines.push_back(column_titles(style));
     }
     const std::size_t fixed = lines.size() + last.size();
-    const std::size_t channels = rows > fixed ? std::min(kChannelCount, rows - fixed) : 0;
+    std::size_t channels = rows > fixed ? std::min(kChannelCount, rows - fixed) : 0;
+    const bool tells_hidden = channels > 1 && channels < kChannelCount;
+    channels -= tells_hidden ? 1 : 0;
     for (std::size_t channel = 0; channel < channels; ++channel) {
         lines.push_back(channel_line(figures, style, channel));
+    }
+    if (tells_hidden) {
+        lines.push_back(hidden_channels(kChannelCount - channels, style));
     }
     lines.insert(lines.end(), last.begin(), last.end());
     lines.resize(std::min(lines.size(), rows));

@@ -20,7 +20,6 @@
 #include "app/cli/complain.h"
 #include "app/cli/exit_status.h"
 #include "app/cli/streams.h"
-#include "app/cli/terminal.h"
 #include "app/doctor/can_judge.h"
 #include "app/doctor/examine.h"
 #include "app/doctor/facts/gpio_facts.h"
@@ -30,6 +29,7 @@
 #include "app/doctor/facts/spi_facts.h"
 #include "app/doctor/machine_judge.h"
 #include "app/doctor/report.h"
+#include "app/journal/terminal_stream.h"
 #include "config/schema/notation.h"
 #include "core/quotes.h"
 #include "transports/links/evdev/evdev_link.h"
@@ -43,8 +43,6 @@ using namespace doctor;
 
 constexpr Duration kShortest = std::chrono::seconds(1);
 constexpr Duration kLongest = std::chrono::seconds(60);
-constexpr std::size_t kPlainColumns = 80;
-constexpr std::size_t kMostReportColumns = 100;
 
 struct DoctorOptions {
     std::vector<std::string> devices;
@@ -70,7 +68,7 @@ void take_port(const KernelFiles& files, const std::string& device, Duration tim
     const bool terminal = ::isatty(STDERR_FILENO) == 1;
     ExaminedPort port = examine_port(files, device, time, [&](std::string_view words) {
         if (terminal) {
-            fmt::print(stderr, "{}: {}\n", device, words);
+            tell_person(fmt::format("{}: {}", device, words));
         }
     });
     append(report.findings, port.opinion.findings);
@@ -193,9 +191,7 @@ void take_everything(const KernelFiles& files, Report& report) {
 }
 
 std::string text_for_people(const Report& report) {
-    const std::size_t columns = terminal_columns().value_or(kPlainColumns);
-    const bool colour = ::isatty(STDOUT_FILENO) == 1 && screen_style().colour;
-    return report_text(report, std::min(columns, kMostReportColumns), colour);
+    return report_text(report, text_columns(STDOUT_FILENO), shows_colour(STDOUT_FILENO));
 }
 
 int examine(const DoctorOptions& options) {

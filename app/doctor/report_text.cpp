@@ -158,7 +158,9 @@ std::string_view colour_of(Severity severity) {
 
 void print_finding(const Finding& finding, Page& page) {
     const std::string head = fmt::format("{:<9}", severity_name(finding.severity));
-    page.paragraph(head, fmt::format("{}: {} [{}]", finding.where, finding.what, finding.id),
+    page.paragraph(head,
+                   fmt::format("{}{}{} [{}]", finding.where, finding.where.empty() ? "" : ": ",
+                               finding.what, finding.id),
                    colour_of(finding.severity));
     constexpr std::string_view kIndent = "         ";
     for (const std::string& text : {finding.why, finding.fix}) {

@@ -129,7 +129,9 @@ bool has_channels(const LineStory& story) {
 /// Why the protocol of an input is not known from listening.
 std::string why_not_heard(const ExaminedPlace& examined) {
     if (!examined.story) {
-        return "tribus could not listen to it";
+        const auto problem =
+            std::ranges::find(examined.findings, Severity::problem, &Finding::severity);
+        return problem == examined.findings.end() ? "tribus could not listen to it" : problem->what;
     }
     if (!examined.story->protocol.empty()) {
         return "this is the i.Bus sensor bus, which has no channels; connect the receiver's SERVO "
@@ -182,7 +184,16 @@ std::vector<Finding> findings_to_print(const std::vector<Finding>& findings, boo
 }
 
 Decision refused(const ExaminedPlace& examined, std::string why) {
-    return {Refused(std::move(why)), findings_to_print(examined.findings, true)};
+    std::vector<Finding> findings = findings_to_print(examined.findings, true);
+    for (Finding& finding : findings) {
+        finding.where.clear();
+    }
+    return {Refused(std::move(why)), std::move(findings)};
+}
+
+/// A name that nothing has: what an interface of that name would need says nothing.
+Decision refused_unknown(std::string why) {
+    return {Refused(std::move(why)), {}};
 }
 
 Attachment attachment_of(const ExaminedPlace& examined, const Protocol& protocol) {
@@ -245,7 +256,7 @@ std::string ExaminedPlace::refusal(const Protocol& protocol) const {
 
 Decision decide_input(const ExaminedPlace& examined, const Protocol* named) {
     if (std::string refusal = unknown_place(examined, named); !refusal.empty()) {
-        return refused(examined, std::move(refusal));
+        return refused_unknown(std::move(refusal));
     }
     const Protocol* protocol = named;
     if (protocol == nullptr && examined.medium->shape == WireShape::can_frames) {
@@ -279,10 +290,10 @@ Decision decide_output(const ExaminedPlace& examined, const Protocol* named,
                        std::string_view trial) {
     const Protocol& protocol =
         named != nullptr ? *named : usual_output_protocol(examined.medium->shape);
-    std::string refusal = unknown_place(examined, named);
-    if (refusal.empty()) {
-        refusal = permanent_refusal(examined, protocol);
+    if (std::string refusal = unknown_place(examined, named); !refusal.empty()) {
+        return refused_unknown(std::move(refusal));
     }
+    std::string refusal = permanent_refusal(examined, protocol);
     if (refusal.empty()) {
         refusal = trial;
     }
@@ -290,6 +301,11 @@ Decision decide_output(const ExaminedPlace& examined, const Protocol* named,
         return refused(examined, std::move(refusal));
     }
     return {attachment_of(examined, protocol), findings_to_print(examined.findings, false)};
+}
+
+bool is_wrong_kind(const ExaminedPlace& examined, const Protocol* named) {
+    return named != nullptr && examined.known && examined.other_end.empty() &&
+           !carries(*examined.medium, *named);
 }
 
 std::string port_conflict(const std::vector<Attachment>& others, const Attachment& one) {

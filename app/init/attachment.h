@@ -67,7 +67,8 @@ struct Attachment {
     std::size_t channels = 0;            ///< number of channels heard; 0: unknown
 };
 
-/// Decision about a place: the attachment, or why it is refused, and findings for the user.
+/// Decision about a place: the attachment, or why it is refused, and findings for the user. Those
+/// of a refusal do not name the place, because who tells the refusal does.
 struct Decision {
     tl::expected<Attachment, std::string> attachment;
     std::vector<doctor::Finding> findings;
@@ -85,6 +86,9 @@ const Protocol& usual_output_protocol(WireShape shape);
 /// the port did not accept the settings of the protocol; empty if it did, or was not opened.
 Decision decide_output(const ExaminedPlace& examined, const Protocol* named,
                        std::string_view trial);
+
+/// Whether the named protocol can run on no place of this kind, such as SBUS on a CAN interface.
+bool is_wrong_kind(const ExaminedPlace& examined, const Protocol* named);
 
 /// Why this attachment and one of the others cannot share a serial device: rate or parity differ.
 /// Empty if there is no such conflict.

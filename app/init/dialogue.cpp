@@ -91,6 +91,11 @@ std::optional<std::size_t> Dialogue::choose(std::string_view question,
                                             std::size_t proposed) {
     messages_.say(question);
     list(choices);
+    return choose_listed(choices, proposed);
+}
+
+std::optional<std::size_t> Dialogue::choose_listed(const std::vector<Choice>& choices,
+                                                   std::size_t proposed) {
     while (true) {
         messages_.say(fmt::format("A number; Enter takes {}.", proposed + 1));
         const auto text = answer();
@@ -176,24 +181,36 @@ const Protocol* Dialogue::choose_protocol(std::string_view question,
     return chosen ? offered[*chosen] : nullptr;
 }
 
-Dialogue::Step Dialogue::ask_what_now(const ExaminedPlace& examined, Attachment& input) {
+/// The reason comes last: a small terminal shows the end.
+Dialogue::Step Dialogue::ask_what_now(const ExaminedPlace& examined, Decision refused,
+                                      Attachment& input) {
     std::vector<Choice> choices{{"again", "listen once more"}, {"other", "choose another port"}};
+    const std::size_t ways = choices.size();
     const auto offered = offered_protocols(SettingScope::input, *examined.medium);
     std::ranges::copy(choices_of(offered), std::back_inserter(choices));
+    std::vector<std::string> protocols;
+    for (std::size_t i = ways; i < choices.size(); ++i) {
+        protocols.push_back(fmt::format("{:>3}  {}", i + 1, choices[i].word));
+    }
     while (true) {
-        const auto chosen = choose("What now?", choices, 0);
+        messages_.say("What now?");
+        list({choices.begin(), choices.begin() + static_cast<std::ptrdiff_t>(ways)});
+        messages_.say("Or name the protocol that will come there:");
+        messages_.side_by_side(protocols);
+        messages_.findings(refused.findings);
+        messages_.say(fmt::format("{}: {}.", examined.node, refused.attachment.error()));
+        const auto chosen = choose_listed(choices, 0);
         if (!chosen) {
             return Step::ended;
         }
-        if (*chosen < 2) {
+        if (*chosen < ways) {
             return *chosen == 0 ? Step::again : Step::other_place;
         }
-        Decision decision = decide_input(examined, offered[*chosen - 2]);
-        if (decision.attachment) {
-            input = *std::move(decision.attachment);
+        refused = decide_input(examined, offered[*chosen - ways]);
+        if (refused.attachment) {
+            input = *std::move(refused.attachment);
             return Step::done;
         }
-        messages_.say(fmt::format("{}: {}.", examined.node, decision.attachment.error()));
     }
 }
 
@@ -210,11 +227,10 @@ Dialogue::Step Dialogue::try_input(const std::string& place, Attachment& input) 
         examined = ports_.listen(place);
     }
     Decision decision = decide_input(examined, named);
-    messages_.findings(decision.findings);
     if (!decision.attachment) {
-        messages_.say(fmt::format("{}: {}.", examined.node, decision.attachment.error()));
-        return ask_what_now(examined, input);
+        return ask_what_now(examined, std::move(decision), input);
     }
+    messages_.findings(decision.findings);
     input = *std::move(decision.attachment);
     for (const std::string& remark : input.remarks) {
         messages_.say(remark);

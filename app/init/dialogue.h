@@ -43,6 +43,9 @@ class Dialogue {
     /// Returns the index of the choice; `proposed` for an empty answer.
     std::optional<std::size_t> choose(std::string_view question, const std::vector<Choice>& choices,
                                       std::size_t proposed);
+    /// The same, after question and choices were printed.
+    std::optional<std::size_t> choose_listed(const std::vector<Choice>& choices,
+                                             std::size_t proposed);
     /// Returns a device or an interface, chosen by its number in a list or by its name. Places of
     /// `taken` are not the default.
     std::optional<std::string> choose_place(std::string_view question,
@@ -57,7 +60,7 @@ class Dialogue {
     /// Looks at a place and listens to it. Sets `input` if the step is `done`.
     Step try_input(const std::string& place, Attachment& input);
     /// Asks what to do about an input that was refused. Sets `input` if the step is `done`.
-    Step ask_what_now(const ExaminedPlace& examined, Attachment& input);
+    Step ask_what_now(const ExaminedPlace& examined, Decision refused, Attachment& input);
 
     std::istream& in_;
     bool echo_;

@@ -16,7 +16,6 @@
 #include "app/cli/complain.h"
 #include "app/cli/exit_status.h"
 #include "app/cli/streams.h"
-#include "app/cli/terminal.h"
 #include "app/init/attachment.h"
 #include "app/init/configuration_text.h"
 #include "app/init/dialogue.h"
@@ -25,6 +24,7 @@
 #include "app/init/options.h"
 #include "app/init/ports.h"
 #include "app/init/write_file.h"
+#include "app/journal/terminal_stream.h"
 #include "config/build/machine_mistakes.h"
 #include "config/keys/keys.h"
 #include "config/load.h"
@@ -34,25 +34,31 @@ namespace tribus {
 namespace init {
 namespace {
 
-constexpr std::size_t kPlainColumns = 80;
-constexpr std::size_t kMostMessageColumns = 100;
 constexpr std::string_view kStandardOutput = "-";
 
-/// The end of the message about a place that was refused, if a protocol was not named: which
-/// protocols would be accepted.
-std::string protocols_to_name(const PlaceOption& option, SettingScope way,
-                              const ExaminedPlace& examined, const Protocol& refused) {
-    std::vector<const Protocol*> offered = offered_protocols(way, *examined.medium);
-    std::erase_if(offered, [&](const Protocol* protocol) {
-        return way == SettingScope::input
-                   ? !decide_input(examined, protocol).attachment
-                   : protocol == &refused || !decide_output(examined, protocol, "").attachment;
-    });
-    if (option.protocol != nullptr || !examined.known || offered.empty()) {
-        return {};
+/// After a place was refused for which no protocol was named: which protocols would be accepted.
+void offer_protocols(const PlaceOption& option, SettingScope way, const ExaminedPlace& examined,
+                     const Protocol& refused, Messages& messages) {
+    if (option.protocol != nullptr || !examined.known) {
+        return;
     }
-    return "; to write the file nevertheless, name the protocol: " +
-           options_with_protocols(option.place, way, offered);
+    std::vector<std::string> names;
+    for (const Protocol* protocol : offered_protocols(way, *examined.medium)) {
+        const bool accepted =
+            way == SettingScope::input
+                ? decide_input(examined, protocol).attachment.has_value()
+                : protocol != &refused && decide_output(examined, protocol, "").attachment;
+        if (accepted) {
+            names.emplace_back(protocol->name);
+        }
+    }
+    if (!names.empty()) {
+        messages.say(
+            fmt::format("To write the file nevertheless, name the protocol, {} "
+                        "PLACE=PROTOCOL:",
+                        option_of(way)));
+        messages.side_by_side(names);
+    }
 }
 
 OrFailure<Attachment> decide(const PlaceOption& option, SettingScope way, Ports& ports,
@@ -71,11 +77,14 @@ OrFailure<Attachment> decide(const PlaceOption& option, SettingScope way, Ports&
     Decision decision = way == SettingScope::input
                             ? decide_input(examined, option.protocol)
                             : decide_output(examined, option.protocol, trial);
+    const std::string place = fmt::format("{} {}", option_of(way), option.place);
+    if (is_wrong_kind(examined, option.protocol)) {
+        return failed(fmt::format("{}: {}", place, decision.attachment.error()), kExitWrongUse);
+    }
     messages.findings(decision.findings);
     if (!decision.attachment) {
-        return failed(fmt::format("{} {}: {}{}", option_of(way), option.place,
-                                  decision.attachment.error(),
-                                  protocols_to_name(option, way, examined, usual)));
+        offer_protocols(option, way, examined, usual, messages);
+        return failed(fmt::format("{}: {}", place, decision.attachment.error()));
     }
     for (const std::string& remark : decision.attachment->remarks) {
         messages.say(fmt::format("{}: {}", examined.node, remark));
@@ -196,12 +205,17 @@ void tell_next(const std::string& file, const Plan& plan, Messages& messages) {
             messages.line("  " + line);
         }
     };
-    messages.say(
+    const std::string preset =
         sends_presets(plan)
-            ? fmt::format("Next, with the propellers off: set `preset` in {} to what is safe "
-                          "on your machine (channel 3 gets {} us now), then",
-                          file, format_number(plan.throttle_us))
-            : std::string("Next, with the propellers off:"));
+            ? fmt::format(
+                  "set `preset` in {} to what is safe on your machine (channel 3 gets {} us "
+                  "now), then ",
+                  file, format_number(plan.throttle_us))
+            : std::string();
+    messages.say(
+        fmt::format("Next, with the propellers off: {}check the file, find out what the "
+                    "receiver does without its transmitter, and only then run it:",
+                    preset));
     commands(next_commands(file, input_names(plan).front()));
     messages.say("As a service, at every start of the board:");
     commands(service_commands(file));
@@ -217,9 +231,7 @@ int run_init(const Options& options) {
     if (!problem.empty()) {
         return complain(problem, kExitFailed);
     }
-    const std::size_t columns = terminal_columns().value_or(kPlainColumns);
-    Messages messages(std::cerr, std::min(columns, kMostMessageColumns),
-                      ::isatty(STDERR_FILENO) == 1 && screen_style().colour);
+    Messages messages(std::cerr, text_columns(STDERR_FILENO), shows_colour(STDERR_FILENO));
     const auto plan = make_plan(options, *request, messages);
     if (!plan) {
         return complain(plan.error().text, plan.error().status);

@@ -19,6 +19,20 @@ void Messages::line(std::string_view text) {
     out_ << text << '\n';
 }
 
+void Messages::side_by_side(const std::vector<std::string>& texts) {
+    constexpr std::size_t kGap = 2;
+    std::size_t width = 0;
+    for (const std::string& text : texts) {
+        width = std::max(width, text.size() + kGap);
+    }
+    const std::size_t a_line =
+        std::max<std::size_t>((columns_ + kGap) / std::max<std::size_t>(width, 1), 1);
+    for (std::size_t i = 0; i < texts.size(); ++i) {
+        const bool ends_line = (i + 1) % a_line == 0 || i + 1 == texts.size();
+        out_ << texts[i] << (ends_line ? "\n" : std::string(width - texts[i].size(), ' '));
+    }
+}
+
 void Messages::findings(const std::vector<doctor::Finding>& findings) {
     doctor::Report report;
     report.findings = findings;

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <iosfwd>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -19,6 +20,8 @@ class Messages {
     void say(std::string_view text, std::string_view first = {});
     /// Prints a line unchanged, such as a command to copy.
     void line(std::string_view text);
+    /// Prints short texts side by side, in as many columns as fit.
+    void side_by_side(const std::vector<std::string>& texts);
     void findings(const std::vector<doctor::Finding>& findings);
     /// Prints the prompt of an answer.
     void prompt();

@@ -49,8 +49,8 @@ std::string name_in_comments(std::string_view file) {
 
 std::vector<std::string> next_commands(std::string_view file, std::string_view input) {
     const std::string word = shell_word(file);
-    return {fmt::format("tribus check {}", word), fmt::format("tribus run {}", word),
-            fmt::format("tribus learn {}:{}", word, input)};
+    return {fmt::format("tribus check {}", word), fmt::format("tribus learn {}:{}", word, input),
+            fmt::format("tribus run {}", word)};
 }
 
 std::vector<std::string> service_commands(std::string_view file) {

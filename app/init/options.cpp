@@ -33,16 +33,14 @@ OrFailure<std::vector<PlaceOption>> read_places(const std::vector<std::string>& 
     return places;
 }
 
-}  // namespace
-
-std::string options_with_protocols(const std::string& place, SettingScope way,
-                                   const std::vector<const Protocol*>& offered) {
-    std::vector<std::string> ways;
-    std::ranges::transform(offered, std::back_inserter(ways), [&](const Protocol* protocol) {
-        return fmt::format("{} {}={}", option_of(way), place, protocol->name);
-    });
-    return fmt::format("{}", fmt::join(ways, ", "));
+std::vector<std::string_view> names_of_inputs() {
+    std::vector<std::string_view> names;
+    std::ranges::transform(offered_protocols(SettingScope::input, kSerialMedium),
+                           std::back_inserter(names), &Protocol::name);
+    return names;
 }
+
+}  // namespace
 
 OrFailure<Request> read_options(const Options& options) {
     Request request;
@@ -69,12 +67,10 @@ OrFailure<Request> read_options(const Options& options) {
         const bool serial =
             input.place.find('/') != std::string::npos && !input.place.starts_with("/dev/input/");
         if (none && serial && input.protocol == nullptr) {
-            return failed(
-                fmt::format(
-                    "--in {}: with --listen 0 the protocol must be named: {}", input.place,
-                    options_with_protocols(input.place, SettingScope::input,
-                                           offered_protocols(SettingScope::input, kSerialMedium))),
-                kExitWrongUse);
+            return failed(fmt::format("--in {}: with --listen 0 the protocol must be named, --in "
+                                      "PLACE=PROTOCOL; allowed: {}",
+                                      input.place, fmt::join(names_of_inputs(), ", ")),
+                          kExitWrongUse);
         }
     }
     return request;

@@ -49,10 +49,6 @@ inline std::string_view option_of(SettingScope way) {
     return way == SettingScope::input ? "--in" : "--out";
 }
 
-/// The options that name the place with each of these protocols: `--in /dev/ttyUSB0=ibus, ...`.
-std::string options_with_protocols(const std::string& place, SettingScope way,
-                                   const std::vector<const Protocol*>& offered);
-
 /// Parses the options. Every failure is wrong use. Pure.
 OrFailure<Request> read_options(const Options& options);
 

@@ -17,6 +17,7 @@
 #include "app/client/ask_daemon.h"
 #include "app/client/status_fields.h"
 #include "app/inspect/live_difference.h"
+#include "app/inspect/value_text.h"
 #include "config/build/carry_over.h"
 #include "config/load.h"
 #include "config/show/effective.h"
@@ -27,46 +28,13 @@ namespace {
 using OrderedJson = nlohmann::ordered_json;
 using Lines = std::vector<std::string>;
 
-/// Text of a value as in the file, without quotation marks.
-std::string plain(const OrderedJson& json) {
-    if (json.is_string()) {
-        return json.get<std::string>();
-    }
-    if (json.is_object()) {
-        std::string text;
-        for (const auto& [key, value] : json.items()) {
-            text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", key, plain(value));
-        }
-        return "{ " + text + " }";
-    }
-    return json.dump();
-}
-
-/// Describes the rule of one channel.
-std::string channel_words(const OrderedJson& rule) {
-    if (rule.is_number()) {
-        return "channel " + rule.dump();
-    }
-    std::string text = rule.contains("from") ? "channel " + plain(rule["from"]) : "";
-    for (const auto& [key, value] : rule.items()) {
-        const bool off = value == OrderedJson(false) || value == OrderedJson(0);
-        if (key == "from" || (off && key != "fixed")) {
-            continue;
-        }
-        const std::string words =
-            value == OrderedJson(true) ? key : fmt::format("{} {}", key, plain(value));
-        text += (text.empty() ? "" : ", ") + words;
-    }
-    return text;
-}
-
 void compare_channels(const OrderedJson& before, const OrderedJson& after, std::string_view input,
                       Lines& lines) {
     constexpr int kChannels = 18;
     for (int channel = 1; channel <= kChannels; ++channel) {
         const std::string key = std::to_string(channel);
         const auto words = [&](const OrderedJson& rules) {
-            return rules.contains(key) ? channel_words(rules[key]) : "channel " + key;
+            return rules.contains(key) ? channel_text(rules[key]) : "channel " + key;
         };
         if (words(before) != words(after)) {
             lines.push_back(fmt::format("{}channel {}: {} before, now {}", input, channel,
@@ -87,12 +55,12 @@ void compare(const OrderedJson& before, const OrderedJson& after, const std::str
         } else if (old_value.is_object() && new_value.is_object()) {
             compare(old_value, new_value, name, lines);
         } else if (old_value.is_null()) {
-            lines.push_back(fmt::format("{}: not set before, now {}", name, plain(new_value)));
+            lines.push_back(fmt::format("{}: not set before, now {}", name, plain_text(new_value)));
         } else if (new_value.is_null()) {
-            lines.push_back(fmt::format("{}: {} before, now not set", name, plain(old_value)));
+            lines.push_back(fmt::format("{}: {} before, now not set", name, plain_text(old_value)));
         } else if (old_value != new_value) {
-            lines.push_back(
-                fmt::format("{}: {} before, now {}", name, plain(old_value), plain(new_value)));
+            lines.push_back(fmt::format("{}: {} before, now {}", name, plain_text(old_value),
+                                        plain_text(new_value)));
         }
     };
     for (const auto& [key, value] : before.items()) {

@@ -1,91 +1,40 @@
 #include "app/inspect/graph_model.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <optional>
 #include <string_view>
+#include <utility>
 #include <variant>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "app/cli/screen_parts.h"
+#include "app/inspect/value_text.h"
+#include "config/keys/keys.h"
 #include "config/schema/choices.h"
+#include "config/show/effective.h"
 #include "transports/links/gpio/gpio_place.h"
 
 namespace tribus {
 namespace {
 
-/// More rules would make a box higher than a page.
-constexpr std::size_t kMostRules = 18;
+using OrderedJson = nlohmann::ordered_json;
 
-std::size_t number_of(std::size_t channel) {
-    return channel + 1;
-}
-
-struct SourceText {
-    const std::vector<LineConfig>& lines;
-
-    std::string operator()(const FromChannel& from) const {
-        return fmt::format("{}", number_of(from.channel));
-    }
-    std::string operator()(const Mix& mix) const {
-        std::string text;
-        for (const MixTerm& term : mix.terms) {
-            text += fmt::format("{}{:g} x {}", text.empty() ? "" : " + ", term.weight,
-                                number_of(term.channel));
-        }
-        return text;
-    }
-    std::string operator()(const Fixed& fixed) const {
-        return fmt::format("{:g} us", fixed.pulse.microseconds());
-    }
-    std::string operator()(const Switch& limit) const {
-        std::string text = fmt::format("switch {}", number_of(limit.channel));
-        if (limit.above) {
-            text += fmt::format(" above {:g} us", limit.above->microseconds());
-        }
-        if (limit.below) {
-            text += fmt::format("{} below {:g} us", limit.above ? " or" : "",
-                                limit.below->microseconds());
-        }
-        return text;
-    }
-    std::string operator()(const FromLine& from) const { return "line " + lines[from.line].name; }
-};
-
-std::string rule_text(const ChannelRule& rule, const std::vector<LineConfig>& lines) {
-    std::string text =
-        fmt::format("{} = {}", number_of(rule.output), std::visit(SourceText{lines}, rule.source));
-    text += rule.reverse ? ", reversed" : "";
-    if (rule.trim != Pulse{}) {
-        text += fmt::format(", trim {:+g}", rule.trim.microseconds());
-    }
-    if (rule.expo != 0) {
-        text += fmt::format(", expo {:g}", rule.expo);
-    }
-    if (rule.min || rule.max) {
-        text += fmt::format(", {} to {} us", rule.min ? rule.min->whole_microseconds() : 0,
-                            rule.max ? rule.max->whole_microseconds() : 4095);
-    }
-    return text;
-}
-
-void add_rules(GraphBox& box, const std::vector<ChannelRule>& rules,
-               const std::vector<LineConfig>& lines) {
-    for (const ChannelRule& rule : rules) {
-        if (box.lines.size() == kMostRules) {
-            box.lines.push_back("...");
-            return;
-        }
-        box.lines.push_back(rule_text(rule, lines));
+/// The entries of a channel map, one line each. Null: there is no map.
+void add_rules(GraphBox& box, const OrderedJson& rules) {
+    for (const auto& [output, rule] : rules.items()) {
+        box.lines.push_back(fmt::format("{} = {}", output, channel_text(rule)));
     }
 }
 
 /// Builds the graph of one configuration.
 class Drawing {
   public:
-    explicit Drawing(const Configuration& configuration) : configuration_(configuration) {}
+    explicit Drawing(const Configuration& configuration)
+        : configuration_(configuration),
+          effective_(OrderedJson::parse(effective_json(configuration))) {}
 
     Graph draw() {
         add_sources();
@@ -131,7 +80,7 @@ class Drawing {
             GraphBox box{GraphColumn::sources, input.name, {}};
             box.lines = {fmt::format("{} from {}", input.protocol->name, input.port.device),
                          "timeout " + short_duration(input.supervision.timeout)};
-            add_rules(box, input.channels, configuration_.lines);
+            add_rules(box, effective_["input"][input.name]["map"]);
             places_["input." + input.name] = graph_.boxes.size();
             graph_.boxes.push_back(std::move(box));
         }
@@ -146,9 +95,9 @@ class Drawing {
     void add_pipeline(const PipelineConfig& pipeline) {
         GraphBox box{GraphColumn::pipelines, pipeline.name, {}};
         if (pipeline.selection.inputs.size() > 1) {
-            box.lines.push_back("mode " + std::string(word_of(pipeline.selection.mode)));
+            box.lines = selection_texts(pipeline);
         }
-        add_rules(box, pipeline.channels, configuration_.lines);
+        add_rules(box, effective_["pipeline"][pipeline.name]["channels"]);
         const std::size_t place = graph_.boxes.size();
         places_["pipeline." + pipeline.name] = place;
         graph_.boxes.push_back(std::move(box));
@@ -157,6 +106,17 @@ class Drawing {
             arrow(find("input", configuration_.inputs[pipeline.selection.inputs[i]].name), place,
                   several ? fmt::format("{}", i + 1) : "");
         }
+    }
+
+    /// The keys of the pipeline itself: arrows, maps and outputs show what the others say.
+    std::vector<std::string> selection_texts(const PipelineConfig& pipeline) {
+        OrderedJson settings = effective_["pipeline"][pipeline.name];
+        for (const char* shown : {"from", "to", "mode", "channels", "failsafe"}) {
+            settings.erase(shown);
+        }
+        std::vector<std::string> texts = row_texts(settings, pipeline_keys());
+        texts.insert(texts.begin(), "mode " + std::string(word_of(pipeline.selection.mode)));
+        return texts;
     }
 
     void add_output(const OutputConfig& output) {
@@ -212,8 +172,24 @@ class Drawing {
         const std::size_t to =
             *find("output", configuration_.outputs[pipeline.outputs[index]].name);
         arrow(find("pipeline", pipeline.name), to, "");
-        graph_.boxes[to].lines.push_back(fmt::format(
-            "lost: {} hold, then {}", short_duration(failsafe.hold), word_of(failsafe.action)));
+        std::vector<std::string>& lines = graph_.boxes[to].lines;
+        lines.push_back(fmt::format("lost: {} hold, then {}", short_duration(failsafe.hold),
+                                    word_of(failsafe.action)));
+        const std::vector<std::string> further =
+            further_failsafe_texts(pipeline, configuration_.outputs[pipeline.outputs[index]].name);
+        lines.insert(lines.end(), further.begin(), further.end());
+    }
+
+    /// What happens to the channels of an output on a loss, besides hold and action.
+    std::vector<std::string> further_failsafe_texts(const PipelineConfig& pipeline,
+                                                    const std::string& output) {
+        OrderedJson settings = effective_["pipeline"][pipeline.name]["failsafe"]["output"][output];
+        settings.erase("hold");
+        settings.erase("action");
+        if (settings["power_on"] == settings["recover"]) {
+            settings.erase("power_on");
+        }
+        return row_texts(settings, output_failsafe_keys());
     }
 
     void join_line(const LineConfig& line) {
@@ -269,6 +245,7 @@ class Drawing {
     }
 
     const Configuration& configuration_;
+    OrderedJson effective_;
     std::map<std::string, std::size_t> places_;
     Graph graph_;
 };

@@ -23,6 +23,7 @@
 #include "app/cli/exit_status.h"
 #include "app/cli/main_wait.h"
 #include "app/cli/replace_file.h"
+#include "app/cli/streams.h"
 #include "app/client/ask_daemon.h"
 #include "app/client/control_socket.h"
 #include "app/client/status_fields.h"
@@ -130,9 +131,8 @@ int watch_trial(const std::string& socket, const ReloadOptions& options, Duratio
     }
     const Instant end = later(monotonic_now(), trial);
     auto wait = MainWait::for_signals({SIGINT, SIGTERM, SIGHUP});
-    fmt::print(stderr,
-               "Enter keeps it; Ctrl-C, or no answer within {}, goes back: ", options.trial);
-    std::fflush(stderr);
+    tell_person(
+        fmt::format("Enter keeps it; Ctrl-C, or no answer within {}, goes back:", options.trial));
     switch (wait ? ask_person(*wait, end) : Choice::back) {
         case Choice::keep:
             return ask_and_tell(socket, "confirm" + number, "confirmed");

@@ -1,5 +1,7 @@
 #include "app/journal/log.h"
 
+#include <unistd.h>
+
 #include <memory>
 #include <utility>
 
@@ -7,12 +9,15 @@
 #include <spdlog/spdlog.h>
 
 #include "app/journal/journal.h"
+#include "app/journal/terminal_stream.h"
 
 namespace tribus {
 
 void log_to_journal_or_terminal() {
+    const auto colours =
+        shows_colour(STDERR_FILENO) ? spdlog::color_mode::always : spdlog::color_mode::never;
     auto logger = stderr_is_journal() ? std::make_shared<spdlog::logger>("tribus", journal_sink())
-                                      : spdlog::stderr_color_st("tribus");
+                                      : spdlog::stderr_color_st("tribus", colours);
     logger->set_formatter(terminal_formatter());
     spdlog::set_default_logger(std::move(logger));
 }

@@ -21,6 +21,7 @@
 #include "app/cli/complain.h"
 #include "app/cli/exit_status.h"
 #include "app/cli/load_or_explain.h"
+#include "app/cli/streams.h"
 #include "app/learn/frame_collector.h"
 #include "app/learn/learn_live.h"
 #include "app/learn/learn_pad.h"
@@ -115,21 +116,24 @@ tl::expected<LearnedFrames, std::string> frames_of_recording(const LearnOptions&
 
 void print(const LossStudyResult& study, std::string_view file, std::string_view input) {
     for (const std::string& finding : study.findings) {
-        fmt::print(stderr, "- {}\n", finding);
+        tell_person(finding, "- ");
     }
     for (const std::string& advice : study.advice) {
-        fmt::print(stderr, "\n{}\n", advice);
+        fmt::print(stderr, "\n");
+        tell_person(advice);
     }
+    fmt::print(stderr, "\n");
     if (!study.recognised) {
-        fmt::print(stderr, "\nThe loss of this link is not recognised.\n");
+        tell_person("The loss of this link is not recognised.");
         return;
     }
-    fmt::print(stderr, "\nThe loss of this link is recognised");
     if (study.lines.empty()) {
-        fmt::print(stderr, " with this configuration; add nothing.\n");
+        tell_person("The loss of this link is recognised with this configuration; add nothing.");
         return;
     }
-    fmt::print(stderr, " with these lines in [input.{}] of {}:\n\n", input, file);
+    tell_person(fmt::format(
+        "The loss of this link is recognised with these lines in [input.{}] of {}:", input, file));
+    fmt::print(stderr, "\n");
     for (const std::string& line : study.lines) {
         fmt::print("{}\n", line);
     }

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "app/cli/streams.h"
 #include "app/learn/frame_collector.h"
 #include "app/learn/learn_step.h"
 #include "config/build/build.h"
@@ -101,31 +102,29 @@ class LearnPrompts {
             "Transmitter and receiver on. Move every stick and every switch to both of its ends, "
             "twice.";
         json_ ? tell_learn_step("waiting", fmt::format("{} Then hands off.", kMove))
-              : fmt::print(stderr, "1/4  {}\n     Then press Enter.\n", kMove);
+              : tell_person(fmt::format("{} Then press Enter.", kMove), "1/4  ");
     }
     void hands_off() const {
         if (!json_) {
-            fmt::print(stderr, "2/4  Throttle low, hands off the sticks for five seconds ...\n");
+            tell_person("Throttle low, hands off the sticks for five seconds ...", "2/4  ");
         }
     }
     void off() const {
         json_ ? tell_learn_step("off",
                                 "Switch the transmitter OFF. The next step comes eight "
                                 "seconds after you say so.")
-              : fmt::print(stderr,
-                           "3/4  Switch the transmitter OFF, then press Enter and wait eight "
-                           "seconds.\n");
+              : tell_person("Switch the transmitter OFF, then press Enter and wait eight seconds.",
+                            "3/4  ");
     }
     void wait() const {
         if (!json_) {
-            fmt::print(stderr, "     ...\n");
+            tell_person("...", "     ");
         }
     }
     void on() const {
         json_ ? tell_learn_step("on", "Switch the transmitter ON again, until it is connected.")
-              : fmt::print(stderr,
-                           "4/4  Switch the transmitter ON again. When it is connected, press "
-                           "Enter.\n");
+              : tell_person("Switch the transmitter ON again. When it is connected, press Enter.",
+                            "4/4  ");
     }
 
   private:
@@ -158,8 +157,12 @@ tl::expected<LearnedFrames, std::string> watch_with_a_person(const Configuration
     prompts.move();
     bool fine = watch.until_enter();
     if (fine && watch.collector().frames().empty()) {
-        return tl::unexpected(std::string(
-            "no frame came; `tribus run` with this configuration says what it receives instead"));
+        const PortConfig& port = configuration.inputs[input].port;
+        return tl::unexpected(fmt::format(
+            "no frame came; {}`tribus run` with this configuration says what comes instead",
+            port.medium->silence.doctor.empty()
+                ? ""
+                : fmt::format("`tribus doctor {}` or ", port.device)));
     }
     prompts.hands_off();
     fine = fine && watch.for_time(kHandsOffTime);

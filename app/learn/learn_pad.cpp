@@ -18,9 +18,9 @@
 #include "app/cli/complain.h"
 #include "app/cli/exit_status.h"
 #include "app/cli/main_wait.h"
+#include "app/cli/streams.h"
 #include "app/learn/learn_step.h"
 #include "app/learn/pad_lesson.h"
-#include "config/show/paragraph.h"
 #include "core/quotes.h"
 #include "pipelines/realtime/clock.h"
 #include "transports/links/evdev/evdev_devices.h"
@@ -35,7 +35,6 @@ constexpr Duration kLookEach = 20ms;
 /// Without a terminal nobody can say that a control does not exist.
 constexpr Duration kPatienceAlone = 15s;
 constexpr Duration kPatienceAtTerminal = 2min;
-constexpr std::size_t kLearnColumns = 80;
 
 /// Why nothing was learned.
 struct PadFailure {
@@ -180,12 +179,12 @@ class PadWatch {
             return;
         }
         print_remark();
-        fmt::print(stderr, "{}", paragraph("- ", "  ", order, kLearnColumns));
+        tell_person(order, "- ");
     }
 
     void print_remark() {
         if (const std::string remark = lesson_.take_remark(); !remark.empty()) {
-            fmt::print(stderr, "{}", paragraph("  ", "  ", remark, kLearnColumns));
+            tell_person(remark, "  ");
         }
     }
 
@@ -249,13 +248,15 @@ std::vector<std::string> advice_on(const PadToLearn& pad, const EvdevDeviceFacts
 void print_learned(const PadToLearn& pad, const std::vector<std::string>& lines,
                    const std::vector<std::string>& advice) {
     for (const std::string& one : advice) {
-        fmt::print(stderr, "\n{}", paragraph("", "", one, kLearnColumns));
+        fmt::print(stderr, "\n");
+        tell_person(one);
     }
-    fmt::print(stderr, "\n{}:\n\n",
-               pad.place.empty() ? "For the configuration"
-                                 : fmt::format("Lines for {}, in place of its axes, buttons and "
-                                               "dead_man",
-                                               pad.place));
+    fmt::print(stderr, "\n");
+    tell_person(
+        pad.place.empty()
+            ? std::string("For the configuration:")
+            : fmt::format("Lines for {}, in place of its axes, buttons and dead_man:", pad.place));
+    fmt::print(stderr, "\n");
     for (const std::string& line : lines) {
         fmt::print("{}\n", line);
     }
@@ -288,7 +289,7 @@ int learn_pad(const PadToLearn& pad, LearnGuide guide) {
         tell_learn_step("done", last_remark, lines);
     } else {
         if (!last_remark.empty()) {
-            fmt::print(stderr, "{}", paragraph("  ", "  ", last_remark, kLearnColumns));
+            tell_person(last_remark, "  ");
         }
         print_learned(pad, lines, advice);
     }

@@ -96,8 +96,8 @@ class Study {
         if (phases_.flown.empty()) {
             result_.findings.emplace_back("no frame came while the transmitter was on");
             result_.advice.emplace_back(
-                "check wire, ground, protocol and binding first; `tribus run` says what it "
-                "receives");
+                "check the connection, the protocol and the binding first; `tribus run` says what "
+                "it receives");
             return std::move(result_);
         }
         check_flags();

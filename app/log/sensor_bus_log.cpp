@@ -7,6 +7,8 @@
 
 #include "app/journal/log.h"
 #include "app/journal/log_fields.h"
+#include "app/log/doctor_hint.h"
+#include "core/counted.h"
 
 namespace tribus {
 namespace {
@@ -38,6 +40,7 @@ SensorBusLog::SensorBusLog(const Appliance& appliance, Instant start) {
     const Configuration& configuration = appliance.configuration();
     for (const SensorBusConfig& bus : configuration.sensor_buses) {
         buses_.push_back({.name = bus.name,
+                          .doctor_hint = doctor_hint(bus.port),
                           .sensors = bus.sensors.size(),
                           .types = SensorTypes(bus.dialect, configuration.sensor_types),
                           .start = start});
@@ -81,16 +84,16 @@ void SensorBusLog::look_at_sensor(const SensorBusState& state, Memory& memory, I
         memory.missing_signal_logged = true;
         log_warning(
             "sensor bus {}: no request yet; check wire, ground and power, and that it is the "
-            "receiver's SENS port",
-            memory.name);
+            "receiver's SENS port{}",
+            memory.name, memory.doctor_hint);
     }
 }
 
 void SensorBusLog::look_at_address(const std::optional<FoundSensor>& found, std::size_t address,
                                    Memory& memory, Instant now) {
-    auto& [sensor, limit] = memory.found[address - 1];
-    const std::optional<FoundSensor> before = sensor.reported();
-    const auto swallowed = sensor.look(found, limit, now);
+    FoundMemory& at = memory.found[address - 1];
+    const std::optional<FoundSensor> before = at.sensor.reported();
+    const auto swallowed = at.sensor.look(found, at.limit, now);
     if (!swallowed) {
         return;
     }
@@ -99,8 +102,61 @@ void SensorBusLog::look_at_address(const std::optional<FoundSensor>& found, std:
                     type_name(memory, before->type), swallowed_note(*swallowed));
     }
     if (found) {
+        log_found(memory, address, *found, before ? "" : swallowed_note(*swallowed));
+    }
+}
+
+void SensorBusLog::log_found(const Memory& memory, std::size_t address, const FoundSensor& found,
+                             const std::string& note) {
+    const SensorType* const type = memory.types.find(found.type);
+    if (type == nullptr || is_readable(*type, found.size)) {
         log_info("sensor bus {}: address {} is {}{}", memory.name, address,
-                 type_name(memory, found->type), before ? "" : swallowed_note(*swallowed));
+                 type_name(memory, found.type), note);
+        return;
+    }
+    log_warning(
+        "sensor bus {}: address {} is {}, but says that its values have {}, where that type has "
+        "{}; a [sensor_type] of your own with that id and size says what they mean{}",
+        memory.name, address, type_name(memory, found.type), counted(found.size, "byte"),
+        type->size, note);
+}
+
+/// A sensor that answers, and of which nothing can be read all the same.
+void SensorBusLog::look_at_fault(const SensorBusState& state, std::size_t address, Memory& memory,
+                                 Instant now) {
+    FoundMemory& at = memory.found[address - 1];
+    const SensorFault before = at.fault.reported();
+    const SensorFault& fault = state.faults[address - 1];
+    const auto swallowed = at.fault.look(fault, at.fault_limit, now);
+    if (!swallowed) {
+        return;
+    }
+    const std::string note = swallowed_note(*swallowed);
+    const bool is_found = address <= state.found_count;
+    switch (fault.kind) {
+        case SensorFault::Kind::no_type:
+            log_warning(
+                "sensor bus {}: a sensor at address {} answers, but never tells its type; neither "
+                "it nor a sensor at a higher address is read. Are there two sensors at this "
+                "address, or is this no i.Bus sensor?{}",
+                memory.name, address, note);
+            break;
+        case SensorFault::Kind::wrong_size:
+            log_warning(
+                "sensor bus {}: the values of address {} have {}, but the sensor said {} with its "
+                "type; they are not read{}",
+                memory.name, address, counted(fault.sent_size, "byte"),
+                is_found ? state.found[address - 1].size : 0, note);
+            break;
+        case SensorFault::Kind::none:
+            if (before.kind == SensorFault::Kind::wrong_size && is_found) {
+                log_info("sensor bus {}: the values of address {} have {} again, as it said{}",
+                         memory.name, address, counted(state.found[address - 1].size, "byte"),
+                         note);
+            } else if (before.kind == SensorFault::Kind::no_type && !is_found) {
+                log_info("sensor bus {}: address {} answers no more{}", memory.name, address, note);
+            }
+            break;
     }
 }
 
@@ -108,9 +164,10 @@ void SensorBusLog::look_at_receiver(const SensorBusState& state, Memory& memory,
     for (std::size_t i = 0; i < kMostSensors; ++i) {
         look_at_address(i < state.found_count ? std::optional(state.found[i]) : std::nullopt, i + 1,
                         memory, now);
+        look_at_fault(state, i + 1, memory, now);
     }
-    if (!memory.missing_signal_logged && state.found_count == 0 &&
-        now - memory.start >= kFirstWait) {
+    const bool answers = state.found_count > 0 || state.faults != SensorFaults{};
+    if (!memory.missing_signal_logged && !answers && now - memory.start >= kFirstWait) {
         memory.missing_signal_logged = true;
         log_warning(
             "sensor bus {}: no sensor replies yet; check wire, ground and power{}", memory.name,

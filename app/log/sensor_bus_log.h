@@ -34,9 +34,12 @@ class SensorBusLog {
     struct FoundMemory {
         ChangeReport<std::optional<FoundSensor>> sensor{std::nullopt};
         RateLimit limit = log_limit();
+        ChangeReport<SensorFault> fault{SensorFault{}};
+        RateLimit fault_limit = log_limit();
     };
     struct Memory {
         std::string name;
+        std::string doctor_hint;
         std::size_t sensors = 0;  ///< role sensor: how many
         SensorTypes types;
         Instant start;
@@ -53,8 +56,12 @@ class SensorBusLog {
     void look_at_receiver(const SensorBusState& state, Memory& memory, Instant now);
     static void look_at_address(const std::optional<FoundSensor>& found, std::size_t address,
                                 Memory& memory, Instant now);
+    static void look_at_fault(const SensorBusState& state, std::size_t address, Memory& memory,
+                              Instant now);
     static void look_at_troubles(const SensorBusState& state, Memory& memory, Instant now);
     static std::string type_name(const Memory& memory, std::uint8_t type);
+    static void log_found(const Memory& memory, std::size_t address, const FoundSensor& found,
+                          const std::string& note);
 
     std::vector<Memory> buses_;
 };

@@ -8,6 +8,7 @@
 
 #include "app/journal/log.h"
 #include "app/journal/log_fields.h"
+#include "app/log/doctor_hint.h"
 #include "core/counted.h"
 
 namespace tribus {
@@ -30,17 +31,24 @@ std::vector<std::size_t> unproved_causes(const Appliance& appliance, std::size_t
     return places;
 }
 
+std::size_t port_of_input(const Appliance& appliance, std::size_t input) {
+    const auto has_it = [input](const PortPlan& plan) {
+        const auto& stations = plan.wiring.stations;
+        return std::ranges::find(stations, input_station(input)) != stations.end();
+    };
+    return static_cast<std::size_t>(std::ranges::find_if(appliance.ports(), has_it) -
+                                    appliance.ports().begin());
+}
+
 }  // namespace
 
 StateLog::StateLog(const Appliance& appliance, Instant start)
     : can_(appliance), sensor_buses_(appliance, start), nodes_(appliance) {
     const Configuration& configuration = appliance.configuration();
     for (const InputConfig& input : configuration.inputs) {
-        const bool on_can = input.port.medium->shape == WireShape::can_frames;
         input_names_.push_back(input.name);
-        inputs_.push_back({.on_can = on_can,
-                           .start = start,
-                           .unproved_causes = unproved_causes(appliance, inputs_.size())});
+        inputs_.push_back(
+            {.start = start, .unproved_causes = unproved_causes(appliance, inputs_.size())});
     }
     outputs_.resize(configuration.outputs.size());
     for (const Appliance::DeviceEvent& device : appliance.devices()) {
@@ -119,33 +127,27 @@ void StateLog::look_at_unproved(const std::string& name, const InputStatus& stat
 
 /// No signal at the start is the most frequent problem; the received bytes show its cause.
 void StateLog::log_missing_signal(const std::string& name, const InputStatus& status,
-                                  InputMemory& memory, Instant now) {
+                                  const PortPlan& port, InputMemory& memory, Instant now) {
     if (memory.missing_signal_logged || status.ever_good || now - memory.start < kFirstFrameWait) {
         return;
     }
     memory.missing_signal_logged = true;
     const std::string cause = as_word(name_of(status.state.cause));
     const LogFields fields({"TRIBUS_INPUT", name}, {"TRIBUS_CAUSE", cause});
-    if (status.counts.bytes == 0 && memory.on_can) {
-        log_warning(
-            "input {}: no frame with its ids yet; check the ids, the bit rate and whether the "
-            "sender is on (candump shows what is on the bus)",
-            name);
-    } else if (status.counts.frames == 0 && memory.on_can) {
-        log_warning(
-            "input {}: {} with its ids rejected; sender and receiver must agree on format, id, fd "
-            "and checksum (tribus decode shows why)",
-            name, counted(status.rejected, "frame"));
-    } else if (status.counts.bytes == 0) {
-        log_warning("input {}: no byte yet; check wire, ground and power of the receiver", name);
+    const Medium& medium = *port.config.medium;
+    const SilenceAdvice& advice = medium.silence;
+    const std::string doctor = doctor_hint(port.config);
+    if (status.counts.bytes == 0) {
+        log_warning("input {}: {}{}", name, advice.nothing, doctor);
     } else if (status.counts.frames == 0) {
-        log_warning(
-            "input {}: {} but no frame yet; check protocol and rate, and the inverter: SBUS needs "
-            "one, i.Bus must not have one",
-            name, counted(status.counts.bytes, "byte"));
+        const bool on_can = medium.shape == WireShape::can_frames;
+        const std::uint64_t count = on_can ? status.rejected : status.counts.bytes;
+        log_warning("input {}: {}{}{}", name,
+                    advice.counts.empty() ? "" : counted(count, advice.counts) + " ",
+                    advice.no_frame, doctor);
     } else {
-        log_warning("input {}: frames arrive, but {}; is the transmitter on?", name,
-                    cause_text(status.state));
+        log_warning("input {}: frames arrive, but {}; {}", name, cause_text(status.state),
+                    advice.not_good);
     }
 }
 
@@ -300,7 +302,14 @@ void StateLog::look(Appliance& appliance, Instant now) {
         const InputStatus status = appliance.input_status(i);
         look_at_input(configuration.inputs[i].name, status, inputs_[i], now);
         look_at_unproved(configuration.inputs[i].name, status, inputs_[i], now);
-        log_missing_signal(configuration.inputs[i].name, status, inputs_[i], now);
+        const std::size_t port = port_of_input(appliance, i);
+        if (appliance.port_present(port)) {
+            log_missing_signal(configuration.inputs[i].name, status, appliance.ports()[port],
+                               inputs_[i], now);
+        } else {
+            // Nothing can come before the device is there, and that is said of the device.
+            inputs_[i].start = now;
+        }
     }
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
         const OutputStatus status = appliance.output_status(i);

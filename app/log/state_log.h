@@ -40,7 +40,7 @@ class StateLog {
 
   private:
     struct InputMemory {
-        bool on_can = false;
+        /// Since when something may come.
         Instant start;
         ChangeReport<LinkCause> cause{LinkCause::never_seen};
         bool missing_signal_logged = false;
@@ -96,8 +96,8 @@ class StateLog {
                          OutputMemory& memory) const;
     void look_at_drops(const std::string& name, const OutputStatus& status, OutputMemory& memory,
                        Instant now);
-    void log_missing_signal(const std::string& name, const InputStatus& status, InputMemory& memory,
-                            Instant now);
+    static void log_missing_signal(const std::string& name, const InputStatus& status,
+                                   const PortPlan& port, InputMemory& memory, Instant now);
 
     std::vector<std::string> input_names_;
     std::vector<InputMemory> inputs_;

@@ -23,6 +23,7 @@
 #include "app/client/ask_daemon.h"
 #include "app/client/monitor_link.h"
 #include "app/client/status_fields.h"
+#include "app/journal/terminal_stream.h"
 #include "app/monitor/monitor_keys.h"
 #include "app/monitor/monitor_screen.h"
 #include "core/quantity.h"
@@ -54,8 +55,8 @@ class Monitor {
         if (!link_.connected()) {
             return complain(link_.problem(), kExitFailed);
         }
-        const bool live = options_.format != kJson && !options_.once &&
-                          ::isatty(STDOUT_FILENO) == 1 && ::isatty(STDIN_FILENO) == 1;
+        const bool live = options_.format != kJson && !options_.once && is_screen(STDOUT_FILENO) &&
+                          ::isatty(STDIN_FILENO) == 1;
         if (!live) {
             return follow(options_.format == kJson ? Duration::zero() : kLinePeriod, false);
         }

@@ -139,6 +139,11 @@ std::string bus_line(const Json& bus, const ScreenStyle& style) {
         line.add(fmt::format(
             "{} sensors  replies {}  misses {}", status_fields::list(bus, "found").size(),
             status_fields::count(counts, "replies"), status_fields::count(counts, "misses")));
+        for (const Json& fault : status_fields::list(bus, "faults")) {
+            line.add(fmt::format("  address {}: {}", status_fields::count(fault, "address"),
+                                 words(status_fields::text(fault, "fault"))),
+                     kYellow);
+        }
     } else {
         line.add(fmt::format(
             "requests {}  answered {}  late {}  stale {}", status_fields::count(counts, "requests"),

@@ -1,6 +1,7 @@
 #include "app/monitor/monitor_screen.h"
 
 #include <algorithm>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "app/cli/screen_parts.h"
 #include "app/client/status_fields.h"
 #include "app/monitor/monitor_lines.h"
+#include "app/monitor/screen_layout.h"
 #include "core/channel_frame.h"
 #include "core/counted.h"
 
@@ -31,22 +33,25 @@ bool stale(const MonitorView& view) {
     return figures_age(view) > kFresh || !view.connected;
 }
 
-using Lines = std::vector<std::string>;
-
 std::string title(std::string_view text, const ScreenStyle& style) {
     Line line(style);
     line.add(text, kDim);
     return line.take();
 }
 
+/// A list of the status with its title, such as INPUTS, and the noun for one of it.
+struct PartName {
+    std::string_view title;
+    std::string_view noun;
+};
+
 template <class Draw>
-void add_part(Lines& lines, std::string_view name, const Json& items, const ScreenStyle& style,
-              Draw draw) {
+void add_part(Body& body, PartName name, const Json& items, const ScreenStyle& style, Draw draw) {
     if (!items.empty()) {
-        lines.push_back(title(name, style));
+        body.push_back({title(name.title, style)});
     }
     for (const Json& item : items) {
-        lines.push_back(draw(item));
+        body.push_back({draw(item), name.noun});
     }
 }
 
@@ -154,7 +159,7 @@ std::string item_title(const Json* item) {
     return item == nullptr ? "" : status_fields::text(*item, "name");
 }
 
-void add_channels(Lines& lines, const MonitorView& view, const ScreenStyle& style) {
+void add_channels(Body& body, const MonitorView& view, const ScreenStyle& style) {
     constexpr std::size_t kLabelWidth = 4;
     constexpr std::size_t kGap = 2;
     constexpr std::size_t kLeastBar = 10;
@@ -168,17 +173,17 @@ void add_channels(Lines& lines, const MonitorView& view, const ScreenStyle& styl
     const Json* single = after != nullptr ? after : before;
     const std::size_t room = style.columns - std::min(style.columns, both ? numbers : numbers / 2);
     const std::size_t width = both ? room / 2 : std::max<std::size_t>(room, 4) - 1;
-    lines.push_back(title(
+    body.push_back({title(
         both ? fmt::format("CHANNELS {:{}}{}", item_title(before), width + kGap, item_title(after))
              : "CHANNELS " + item_title(single),
-        style));
+        style)});
     Line ends(style);
     ends.add(std::string(kLabelWidth, ' '));
     for (int bars = 0; bars < (both ? 2 : 1); ++bars) {
         ends.add(std::string(kPulseNumberWidth, ' ') + bar_scale(width) + std::string(kGap, ' '),
                  kDim);
     }
-    lines.push_back(ends.take());
+    body.push_back({ends.take()});
     std::size_t count = 0;
     for (const Json* item : {before, after}) {
         count =
@@ -194,65 +199,44 @@ void add_channels(Lines& lines, const MonitorView& view, const ScreenStyle& styl
                      stale(view) ? kDim : colour_of(status_fields::text(*item, "state")));
             line.add(std::string(kGap, ' '));
         }
-        lines.push_back(line.take());
+        body.push_back({line.take(), "channel"});
     }
 }
 
-Lines items(const MonitorView& view, const ScreenStyle& style) {
-    Lines lines;
+void add_items(Body& body, const MonitorView& view, const ScreenStyle& style) {
     std::size_t index = 0;
     const std::size_t selected = selected_item(view);
     const bool old = stale(view);
-    add_part(lines, "INPUTS", status_fields::list(view.status, "inputs"), style,
+    add_part(body, {"INPUTS", "input"}, status_fields::list(view.status, "inputs"), style,
              [&](const Json& item) { return input_line(item, index++ == selected, old, style); });
-    add_part(lines, "OUTPUTS", status_fields::list(view.status, "outputs"), style,
+    add_part(body, {"OUTPUTS", "output"}, status_fields::list(view.status, "outputs"), style,
              [&](const Json& item) { return output_line(item, index++ == selected, old, style); });
-    return lines;
 }
 
-Lines surroundings(const MonitorView& view, const ScreenStyle& style) {
-    Lines lines;
-    add_part(lines, "PORTS", status_fields::list(view.status, "ports"), style,
+void add_surroundings(Body& body, const MonitorView& view, const ScreenStyle& style) {
+    add_part(body, {"PORTS", "port"}, status_fields::list(view.status, "ports"), style,
              [&](const Json& item) { return port_line(item, style); });
-    add_part(lines, "SENSOR BUSES", status_fields::list(view.status, "sensor_buses"), style,
-             [&](const Json& item) { return bus_line(item, style); });
-    add_part(lines, "VALUES", status_fields::list(view.status, "values"), style,
+    add_part(body, {"SENSOR BUSES", "sensor bus"}, status_fields::list(view.status, "sensor_buses"),
+             style, [&](const Json& item) { return bus_line(item, style); });
+    add_part(body, {"VALUES", "value"}, status_fields::list(view.status, "values"), style,
              [&](const Json& item) { return value_line(item, style); });
-    return lines;
 }
-
-/// The rows of the screen: a fixed head, and a body that scrolls.
-struct ScreenLayout {
-    Lines head;
-    Lines body;
-    std::size_t room = 0;  ///< lines of the body that fit
-
-    std::size_t last_top() const { return body.size() - std::min(room, body.size()); }
-};
 
 ScreenLayout layout_of(const MonitorView& view, const ScreenStyle& style) {
     // The last row shows the keys.
     const std::size_t rows = std::max<std::size_t>(style.rows, 3) - 1;
-    ScreenLayout layout{.head = {heading(view, style)}, .body = items(view, style)};
+    ScreenLayout layout{.head = {heading(view, style)}};
     const Lines trust = trust_lines(view, style);
     layout.head.insert(layout.head.end(), trust.begin(), trust.end());
-    layout.head.resize(std::min(layout.head.size(), rows));
-    layout.room = rows - layout.head.size();
-    add_channels(layout.body, view, style);
-    const Lines below = surroundings(view, style);
-    layout.body.insert(layout.body.end(), below.begin(), below.end());
-    return layout;
-}
-
-std::string keys_line(const ScreenLayout& layout, std::size_t top, const ScreenStyle& style) {
-    Line keys(style);
-    keys.add("up/down selects  PgUp/PgDn scrolls  p pauses  q quits", kDim);
-    if (layout.last_top() > 0) {
-        keys.add(fmt::format("  {}-{} of {}", std::min(top + 1, top + layout.room),
-                             top + layout.room, layout.body.size()),
-                 kDim);
+    if (layout.head.size() > rows) {
+        layout.head.resize(rows);
+        layout.head.back() = cut_mark(style);
     }
-    return keys.take();
+    layout.room = rows - layout.head.size();
+    add_items(layout.body, view, style);
+    add_channels(layout.body, view, style);
+    add_surroundings(layout.body, view, style);
+    return layout;
 }
 
 }  // namespace
@@ -268,10 +252,7 @@ std::size_t selected_item(const MonitorView& view) {
 }
 
 std::size_t top_after_pages(const MonitorView& view, const ScreenStyle& style, int pages) {
-    const ScreenLayout layout = layout_of(view, style);
-    const std::size_t page = std::max<std::size_t>(layout.room, 1);
-    const std::size_t top = std::min(view.top, layout.last_top());
-    return pages < 0 ? top - std::min(page, top) : std::min(top + page, layout.last_top());
+    return layout_of(view, style).top_after_page(view.top, pages > 0);
 }
 
 std::size_t top_that_shows_selected(const MonitorView& view, const ScreenStyle& style) {
@@ -279,23 +260,18 @@ std::size_t top_that_shows_selected(const MonitorView& view, const ScreenStyle& 
     const std::size_t item = selected_item(view);
     const std::size_t titles = item < status_fields::list(view.status, "inputs").size() ? 1 : 2;
     const std::size_t line = item + titles;
-    return line < layout.room ? 0 : std::min(line, layout.last_top());
+    return line < layout.window(0).end ? 0 : std::min(line, layout.last_top());
 }
 
 std::string draw_monitor(const MonitorView& view, const ScreenStyle& style) {
     const ScreenLayout layout = layout_of(view, style);
-    const std::size_t top = std::min(view.top, layout.last_top());
     std::string screen = "\x1b[H";
-    for (const std::string& line : layout.head) {
-        screen += line;
-        screen += kEraseRest;
-    }
-    for (std::size_t i = top; i < std::min(top + layout.room, layout.body.size()); ++i) {
-        screen += layout.body[i];
+    for (const std::string& row : layout.rows(view.top, style)) {
+        screen += row;
         screen += kEraseRest;
     }
     // No line feed after the last row: it would scroll.
-    return screen + keys_line(layout, top, style) + "\x1b[K\x1b[J";
+    return screen + layout.keys_line(view.top, style) + "\x1b[K\x1b[J";
 }
 
 std::string monitor_line(const MonitorView& view) {

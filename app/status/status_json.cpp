@@ -10,6 +10,7 @@
 #include "app/cli/cause_text.h"
 #include "app/cli/object_text.h"
 #include "app/status/metrics_text.h"
+#include "app/status/sensor_bus_json.h"
 #include "config/schema/choices.h"
 #include "config/show/fields_json.h"
 #include "core/link_cause.h"
@@ -226,52 +227,6 @@ OrderedJson port_json(const PortReport& port) {
     if (port.can) {
         json["can"] = can_json(port);
     }
-    return json;
-}
-
-OrderedJson found_sensors(const SensorBusState& state, const SensorTypes& types) {
-    OrderedJson json = OrderedJson::array();
-    for (std::size_t i = 0; i < state.found_count; ++i) {
-        const SensorType* type = types.find(state.found[i].type);
-        json.push_back({{"address", i + 1},
-                        {"type", type == nullptr ? OrderedJson() : OrderedJson(type->name)},
-                        {"type_id", state.found[i].type},
-                        {"bytes", state.found[i].size}});
-    }
-    return json;
-}
-
-OrderedJson sensor_bus_json(const SensorBusConfig& config, const SensorBusState& state,
-                            const StatusReport& report) {
-    OrderedJson json;
-    json["name"] = config.name;
-    json["port"] = config.port.device;
-    json["role"] = word_of(config.role);
-    if (state.is_receiver) {
-        const SensorTypes types(config.dialect, report.configuration->sensor_types);
-        const ReceiverRoleCounts& counts = state.receiver;
-        json["found"] = found_sensors(state, types);
-        json["counts"] = {{"requests", counts.requests},
-                          {"replies", counts.replies},
-                          {"misses", counts.misses},
-                          {"wrong", counts.wrong},
-                          {"lost_sensors", counts.lost_sensors},
-                          {"dropped", counts.dropped}};
-    } else {
-        const SensorRoleCounts& counts = state.sensor;
-        json["first_address"] =
-            state.first_address == 0 ? OrderedJson() : OrderedJson(state.first_address);
-        json["sensors"] = config.sensors.size();
-        json["request_age_us"] = state.latest_request
-                                     ? OrderedJson(us(report.now - *state.latest_request))
-                                     : OrderedJson();
-        json["counts"] = {{"requests", counts.requests},
-                          {"answered", counts.answered},
-                          {"late", counts.late},
-                          {"stale", counts.stale},
-                          {"dropped", counts.dropped}};
-    }
-    json["collisions"] = state.echo.collisions;
     return json;
 }
 

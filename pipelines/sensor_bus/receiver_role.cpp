@@ -14,17 +14,25 @@ constexpr std::uint8_t kPowerUpByte = 0xF0;
 /// The sizes of nearly all sensors.
 constexpr std::uint8_t kShortValue = 2;
 constexpr std::uint8_t kLongValue = 4;
+/// A sensor without a type that was asked so often in vain whether it is there is gone. Behind
+/// other sensors it is asked each half second only.
+constexpr int kGoneAfter = 8;
 /// Longer values do not fit into a raw value.
 constexpr std::size_t kLongestRaw = 4;
 
 }  // namespace
 
+bool is_readable(const SensorType& type, std::uint8_t size) {
+    const auto is_usual = [](std::uint8_t one) { return one == kShortValue || one == kLongValue; };
+    return type.size == size || (is_usual(type.size) && is_usual(size));
+}
+
 ReceiverRole::ReceiverRole(ReceiverRoleSettings settings) : settings_(std::move(settings)) {
     for (const SensorType& type : settings_.types.all()) {
         types_by_id_[type.id] = &type;
-        if (type.size == kShortValue || type.size == kLongValue) {
-            resized_.push_back(
-                with_size(type, type.size == kShortValue ? kLongValue : kShortValue));
+        const std::uint8_t other = type.size == kShortValue ? kLongValue : kShortValue;
+        if (is_readable(type, other)) {
+            resized_.push_back(with_size(type, other));
         }
     }
 }
@@ -72,13 +80,26 @@ void ReceiverRole::conclude(ValueBoard& board) {
         return;
     }
     if (unanswered->command == SensorCommand::discover) {
+        int& misses = sensors_[unanswered->address - 1U].misses;
+        misses = std::min(misses + 1, kGoneAfter);
+        if (misses == kGoneAfter) {
+            fault_of(unanswered->address) = {};
+        }
         return;
     }
     ++ongoing_.counts.misses;
     if (unanswered->command == SensorCommand::value) {
         value_missed(unanswered->address, board);
-    } else if (!std::exchange(ongoing_.repeated, !ongoing_.repeated)) {
-        ongoing_.follow_up = unanswered;
+    } else {
+        type_missed(*unanswered);
+    }
+}
+
+void ReceiverRole::type_missed(const Request& request) {
+    if (!std::exchange(ongoing_.repeated, !ongoing_.repeated)) {
+        ongoing_.follow_up = request;
+    } else if (request.address > found_count_) {
+        fault_of(request.address) = {.kind = SensorFault::Kind::no_type};
     }
 }
 
@@ -160,6 +181,7 @@ void ReceiverRole::device_lost(ValueBoard& board) {
     }
     ongoing_.counts.lost_sensors += found_count_;
     found_count_ = 0;
+    ongoing_.faults = {};
     ongoing_.open.reset();
     ongoing_.follow_up.reset();
     ongoing_.repeated = false;
@@ -167,48 +189,81 @@ void ReceiverRole::device_lost(ValueBoard& board) {
     ongoing_.stage = settings_.power_up_frames ? Stage::power_up : Stage::polling;
 }
 
-void ReceiverRole::take(const SensorFrame& frame, Instant now, ValueBoard& board) {
+std::size_t ReceiverRole::size_due(const SensorFrame& frame) const {
+    constexpr std::size_t kTypeBytes = 2;
     const std::size_t sensor = frame.address - 1U;
-    const auto size_due = [&]() -> std::size_t {
-        switch (frame.command) {
-            case SensorCommand::type:
-                return 2;
-            case SensorCommand::value:
-                return sensor < found_count_ ? found_[sensor].size : 0;
-            default:
-                return 0;
-        }
-    };
+    switch (frame.command) {
+        case SensorCommand::type:
+            return kTypeBytes;
+        case SensorCommand::value:
+            return sensor < found_count_ ? found_[sensor].size : 0;
+        default:
+            return 0;
+    }
+}
+
+void ReceiverRole::take(const SensorFrame& frame, Instant now, ValueBoard& board) {
     if (ongoing_.open != Request{frame.command, frame.address} || frame.address == 0 ||
-        frame.data_size != size_due()) {
-        ++ongoing_.counts.wrong;
+        frame.data_size != size_due(frame)) {
+        refuse(frame);
         return;
     }
     ongoing_.open.reset();
     ongoing_.repeated = false;
     ++ongoing_.counts.replies;
+    const std::size_t sensor = frame.address - 1U;
     switch (frame.command) {
         case SensorCommand::discover:
+            sensors_[sensor].misses = 0;
             ongoing_.follow_up = Request{SensorCommand::type, frame.address};
             break;
         case SensorCommand::type:
-            add_sensor(frame);
+            take_type(frame, board);
             break;
         default:
             sensors_[sensor].misses = 0;
+            fault_of(frame.address) = {};
             read_value(sensor, frame.payload(), now, board);
             break;
     }
 }
 
-void ReceiverRole::add_sensor(const SensorFrame& frame) {
-    const std::size_t sensor = frame.address - 1U;
-    if (sensor != found_count_) {
+/// A value of another size than was told may come from another sensor that was plugged in instead:
+/// after as many of them as a sensor may miss, its type is asked for again.
+void ReceiverRole::refuse(const SensorFrame& frame) {
+    ++ongoing_.counts.wrong;
+    const bool is_value = frame.command == SensorCommand::value && !frame.is_request() &&
+                          ongoing_.open == Request{frame.command, frame.address};
+    if (!is_value) {
         return;
     }
-    found_[sensor] = {.type = frame.data[0], .size = frame.data[1]};
-    sensors_[sensor] = {.type = type_of(found_[sensor]),
-                        .by_type = places_of_first(found_[sensor].type)};
+    ongoing_.open.reset();
+    ongoing_.repeated = false;
+    fault_of(frame.address) = {.kind = SensorFault::Kind::wrong_size, .sent_size = frame.data_size};
+    int& misses = sensors_[frame.address - 1U].misses;
+    if (++misses >= settings_.drop_after) {
+        misses = 0;
+        ongoing_.follow_up = Request{SensorCommand::type, frame.address};
+    }
+}
+
+/// The type of the next sensor, or once more that of one whose values have the wrong size.
+void ReceiverRole::take_type(const SensorFrame& frame, ValueBoard& board) {
+    const std::size_t sensor = frame.address - 1U;
+    const FoundSensor found{.type = frame.data[0], .size = frame.data[1]};
+    if (sensor < found_count_ && found_[sensor] != found) {
+        drop_from(sensor, board);
+    }
+    if (sensor == found_count_) {
+        fault_of(frame.address) = {};
+        add_sensor(found);
+    }
+}
+
+void ReceiverRole::add_sensor(const FoundSensor& found) {
+    const std::size_t sensor = found_count_;
+    found_[sensor] = found;
+    sensors_[sensor] = {.type = type_of(found), .by_type = places_of_first(found.type)};
     ++found_count_;
     if (found_count_ < kMostSensors) {
         ongoing_.follow_up =
@@ -283,6 +338,8 @@ void ReceiverRole::drop_from(std::size_t sensor, ValueBoard& board) {
     forget_reading(sensor, board);
     ongoing_.counts.lost_sensors += found_count_ - sensor;
     found_count_ = sensor;
+    std::fill(ongoing_.faults.begin() + static_cast<std::ptrdiff_t>(sensor), ongoing_.faults.end(),
+              SensorFault{});
     ongoing_.next_polled = 0;
 }
 

@@ -62,6 +62,29 @@ struct FoundSensor {
     bool operator==(const FoundSensor&) const = default;
 };
 
+/// Whether a value of this size can be read as one of the type: another size than that of the table
+/// only if both are usual ones.
+bool is_readable(const SensorType& type, std::uint8_t size);
+
+/// What is wrong with a sensor that answers.
+struct SensorFault {
+    enum class Kind : std::uint8_t {
+        none,
+        /// It answers whether it is there, but not which type it has. Nothing of it is read, and no
+        /// sensor behind it is looked for.
+        no_type,
+        /// Its values have another size than it reported with its type. They are not read.
+        wrong_size,
+    };
+    Kind kind = Kind::none;
+    std::uint8_t sent_size = 0;  ///< of its latest value, if that is wrong
+
+    bool operator==(const SensorFault&) const = default;
+};
+
+/// Faults by address; the first one is that of address 1.
+using SensorFaults = std::array<SensorFault, kMostSensors>;
+
 /// Counters since the start. They never decrease.
 struct ReceiverRoleCounts {
     std::uint64_t requests = 0;
@@ -92,6 +115,7 @@ class ReceiverRole final : public SensorBusRole {
 
     /// The sensors that answer, from address 1 on.
     std::span<const FoundSensor> found() const { return {found_.data(), found_count_}; }
+    const SensorFaults& faults() const { return ongoing_.faults; }
     const ReceiverRoleCounts& counts() const { return ongoing_.counts; }
     const EchoCounts& echo() const { return ongoing_.echo.counts(); }
     const SensorFrameParser& parser() const { return ongoing_.parser; }
@@ -130,16 +154,22 @@ class ReceiverRole final : public SensorBusRole {
         int slots_since_probe = 0;
         std::array<std::uint8_t, kLongestSensorFrame> wire{};
         std::size_t wire_length = 0;
+        SensorFaults faults{};
         ReceiverRoleCounts counts{};
     };
 
+    SensorFault& fault_of(std::uint8_t address) { return ongoing_.faults[address - 1U]; }
     void conclude(ValueBoard& board);
+    void type_missed(const Request& request);
     void value_missed(std::uint8_t address, ValueBoard& board);
     std::optional<Request> next_request();
     Request next_poll();
     std::span<const std::uint8_t> send(const Request& request);
     void take(const SensorFrame& frame, Instant now, ValueBoard& board);
-    void add_sensor(const SensorFrame& frame);
+    std::size_t size_due(const SensorFrame& frame) const;
+    void refuse(const SensorFrame& frame);
+    void take_type(const SensorFrame& frame, ValueBoard& board);
+    void add_sensor(const FoundSensor& found);
     const SensorType* type_of(const FoundSensor& found) const;
     const TypePlaces* places_of_first(std::uint8_t type) const;
     void read_value(std::size_t sensor, std::span<const std::uint8_t> data, Instant now,

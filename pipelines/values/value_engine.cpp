@@ -217,6 +217,7 @@ SensorBusState ValueEngine::bus_state(std::size_t bus) const {
     state.echo = receiver.echo();
     std::ranges::copy(receiver.found(), state.found.begin());
     state.found_count = receiver.found().size();
+    state.faults = receiver.faults();
     return state;
 }
 

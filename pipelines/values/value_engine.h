@@ -78,6 +78,8 @@ struct SensorBusState {
     std::optional<Instant> latest_request;
     std::array<FoundSensor, kMostSensors> found{};
     std::size_t found_count = 0;
+    /// Receiver role: what is wrong with sensors that answer.
+    SensorFaults faults{};
 };
 
 /// All named values of a configuration and their sources: sensor buses in both roles, CAN messages,

@@ -1,3 +1,4 @@
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -186,6 +187,35 @@ INSTANTIATE_TEST_SUITE_P(
                     Words{"dbc", "--sensors", "--id", "0x7F2"}, Words{"dbc", "--id", "first"},
                     Words{"check", "--format", "xml", "a.toml"}, Words{"demo", "--seconds", "soon"},
                     Words{"demo", "--seconds", "0"}, Words{"simulate"}));
+
+/// The log of `run`, as a terminal with these variables shows it.
+class LogInATerminal : public Loopback {
+  protected:
+    std::string shown(const std::string& variables) {
+        FarEnd terminal(folder() / "terminal");
+        const std::string config = write_config(main_job());
+        Program program(folder(),
+                        {"-c", "unset NO_COLOR; exec env " + variables + " \"$0\" run \"$1\" 2>&1",
+                         TRIBUS_PROGRAM, config},
+                        {.executable = "/bin/sh", .terminal = terminal.path()});
+        std::string text;
+        EXPECT_TRUE(eventually([&] {
+            const Bytes bytes = terminal.receive();
+            text.append(bytes.begin(), bytes.end());
+            return text.find(" started ") != std::string::npos;
+        })) << text;
+        program.signal(SIGTERM);
+        EXPECT_EQ(program.end(), 0) << text;
+        return text;
+    }
+};
+
+TEST_F(LogInATerminal, HasColoursUnlessThePersonOrTheTerminalForbidsThem) {
+    EXPECT_NE(shown("TERM=xterm").find("\x1b["), std::string::npos);
+    for (const char* variables : {"TERM=xterm NO_COLOR=1", "TERM=dumb", "-u TERM"}) {
+        EXPECT_EQ(shown(variables).find('\x1b'), std::string::npos) << variables;
+    }
+}
 
 }  // namespace
 }  // namespace tribus::test::command_line_test

@@ -102,6 +102,7 @@ class DemoInAWindow : public Demo, public testing::WithParamInterface<Window> {
 
 TEST_P(DemoInAWindow, KeepsToTheWindowAndEndsByCtrlCWithASummary) {
     ::setenv("LC_ALL", "C.UTF-8", 1);
+    ::setenv("TERM", "xterm", 1);
     FarEnd& terminal = device("terminal");
     winsize size{};
     size.ws_col = static_cast<unsigned short>(GetParam().columns);

@@ -105,10 +105,12 @@ TEST_F(Init, WritesNothingAfterSilenceUnlessTheProtocolIsNamed) {
     EXPECT_EQ(unnamed.end(), 1);
     EXPECT_TRUE(has(unnamed.errors(), "[line.silence]")) << unnamed.errors();
     EXPECT_TRUE(has(unnamed.errors(),
-                    "nothing was heard; to write the file nevertheless, name the "
-                    "protocol: --in " +
-                        wire.path() + "=ibus"))
+                    "To write the file nevertheless, name the protocol, --in PLACE=PROTOCOL:\n"
+                    "ibus "))
         << unnamed.errors();
+    EXPECT_TRUE(unnamed.errors().ends_with("tribus: --in " + wire.path() + ": nothing was heard\n"))
+        << unnamed.errors();
+    EXPECT_EQ(count_of(wire.path(), unnamed.errors()), 1U) << unnamed.errors();
     EXPECT_FALSE(std::filesystem::exists(file()));
     Program& named =
         init({file(), "--in", wire.path() + "=sbus", "--out", servos.path(), "--listen", "1s"});
@@ -165,7 +167,8 @@ TEST_F(Init, DoesNotOpenAPortThatIsInUse) {
         init({file(), "--in", wire.path(), "--out", servos.path(), "--listen", "1s"});
     EXPECT_EQ(program.end(), 1);
     EXPECT_TRUE(has(program.errors(), "it is in use by tribus (process ")) << program.errors();
-    EXPECT_TRUE(has(program.errors(), "tribus could not listen to it")) << program.errors();
+    EXPECT_TRUE(has(program.errors(), "tribus: --in " + wire.path() + ": it is in use by tribus"))
+        << program.errors();
     ServoBank bank(servos);
     Repeater repeater(wire, ibus_bytes(sticks_with_first(1300)));
     EXPECT_TRUE(eventually([&] {
@@ -183,11 +186,16 @@ TEST_F(Init, RefusesWrongUse) {
     };
     const std::vector<Use> uses{
         {{"--in", "/dev/ttyAMA5", "--out", "x", "--listen", "0"},
-         "the protocol must be named: --in /dev/ttyAMA5=ibus, --in /dev/ttyAMA5=sbus"},
+         "--in /dev/ttyAMA5: with --listen 0 the protocol must be named, --in PLACE=PROTOCOL; "
+         "allowed: ibus, sbus, "},
         {{"--in", "a", "--out", "b", "--listen", "90s"},
          "--listen \"90s\": must be a time from 1s"},
         {{"--in", "a=ibuz", "--out", "b"},
          "--in \"a=ibuz\": there is no protocol \"ibuz\"; did you mean"},
+        {{"--in", "/dev/ttyAMA5=can", "--out", "b", "--listen", "0"},
+         "--in /dev/ttyAMA5: can runs on a CAN interface, such as can0; this is a serial device"},
+        {{"--in", "/dev/ttyAMA5=ibus", "--out", "/dev/ttyAMA3=dronecan", "--listen", "0"},
+         "--out /dev/ttyAMA3: dronecan runs on a CAN interface, such as can0"},
         {{"--in", "a", "--out", "b=dbc"}, "dbc needs the keys dbc and signals"},
         {{"--in", "/dev/ttyAMA5=ibus", "--out", "/dev/ttyAMA5", "--listen", "0"},
          "a port has one rate and parity"},
@@ -247,8 +255,27 @@ TEST_F(Init, RefusesWhatCanNeverBeAPort) {
             "/dev/input/by-id/usb-Pad-event-joystick` prints the lines of a gamepad\n");
     refused("pwmchip0", "--in pwmchip0: this is a PWM chip; which channel goes to which of its");
     // It may be plugged in later, but then its protocol must be named.
+    refused(folder() / "nothing", "To write the file nevertheless, name the protocol");
     refused(folder() / "nothing",
-            "tribus could not listen to it; to write the file nevertheless, name");
+            "tribus: --in " + (folder() / "nothing").string() + ": there is no such device\n");
+}
+
+TEST_F(Init, SaysANameThatNothingHasOnce) {
+    Program& program = init({file(), "--in", "BAD", "--out", "/dev/ttyAMA3"});
+    EXPECT_EQ(program.end(), 1);
+    EXPECT_EQ(program.errors(),
+              "tribus: --in BAD: there is no CAN interface and no serial device of this name; a "
+              "serial device is a path, such as /dev/ttyUSB0\n");
+}
+
+TEST_F(Init, AdvisesToLearnHowTheReceiverLosesItsLinkBeforeItIsRun) {
+    Program& program =
+        init({file(), "--in", "/dev/ttyAMA2=ibus", "--out", "/dev/ttyAMA3=sbus", "--listen", "0"});
+    EXPECT_EQ(program.end(), 0) << program.errors();
+    const std::string errors = program.errors();
+    const std::size_t learn = errors.find("  tribus learn " + file() + ":receiver\n");
+    EXPECT_NE(learn, std::string::npos) << errors;
+    EXPECT_LT(learn, errors.find("  tribus run " + file() + "\n")) << errors;
 }
 
 TEST_F(Init, NeedsAFolderThatItCanWriteTo) {

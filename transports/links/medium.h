@@ -48,6 +48,22 @@ enum class Users : std::uint8_t {
     many,          ///< any number, and a link may be opened while another one is open
 };
 
+/// Where a person looks if an input does not come to life. Sentences that go on with what to do,
+/// without the last full stop; empty on a medium that has no inputs.
+struct SilenceAdvice {
+    /// Nothing has come: "no byte yet; check wire, ground and power of the receiver".
+    std::string_view nothing = {};
+    /// What has come is no frame of the protocol; behind the count of what `counts` names.
+    std::string_view no_frame = {};
+    /// Noun for the units of what has come, if people can count them: "byte".
+    std::string_view counts = {};
+    /// Frames come, but the link does not count as good.
+    std::string_view not_good = "is the transmitter on?";
+    /// What `tribus doctor PLACE` does about it: "listens there". Empty: it does not know such
+    /// places.
+    std::string_view doctor = {};
+};
+
 /// A way to carry protocols, such as serial ports. Each medium is a line of the table in
 /// transports/registry/media.inc. No function may be called on the data path.
 struct Medium {
@@ -75,6 +91,7 @@ struct Medium {
     /// Whether the hardware itself repeats what it was given each period (LinkUse::period).
     bool has_period = false;
     Users users = Users::one;
+    SilenceAdvice silence = {};
     /// Whether nothing has that name now: it may be plugged in later. Never null.
     bool (*is_missing)(const std::string& place) = nullptr;
     /// Whether two different names stand for one place. Null: never.

@@ -16,7 +16,9 @@
 
 #include "app/cli/complain.h"
 #include "app/cli/exit_status.h"
+#include "app/cli/streams.h"
 #include "app/web/pairing/pairing.h"
+#include "config/show/paragraph.h"
 #include "pipelines/realtime/clock.h"
 #include "transports/links/unique_fd.h"
 
@@ -109,14 +111,18 @@ int run(const PairOptions& options) {
                                 options.configurations, std::strerror(errno)),
                     kExitFailed);
     }
+    const auto sentence = [](const std::string& text) {
+        return paragraph("", "", text, text_columns(STDOUT_FILENO));
+    };
     fmt::print(
-        "{} {}\n"
-        "Type this code at http://127.0.0.1:8480/ on this board, or from another machine behind\n"
-        "    ssh -L 8480:127.0.0.1:8480 USER@BOARD\n"
-        "It is for one browser, which may then {}, and is valid for {} minutes.\n",
-        code->substr(0, 4), code->substr(4),
-        options.look ? "look" : "look and change the configuration",
-        std::chrono::duration_cast<std::chrono::minutes>(PairingFolder::kCodeLasts).count());
+        "{} {}\n{}    ssh -L 8480:127.0.0.1:8480 USER@BOARD\n{}", code->substr(0, 4),
+        code->substr(4),
+        sentence("Type this code at http://127.0.0.1:8480/ on this board, or from another machine "
+                 "behind"),
+        sentence(fmt::format(
+            "It is for one browser, which may then {}, and is valid for {} minutes.",
+            options.look ? "look" : "look and change the configuration",
+            std::chrono::duration_cast<std::chrono::minutes>(PairingFolder::kCodeLasts).count())));
     return kExitFine;
 }
 

@@ -39,6 +39,11 @@ const Medium kEvdevMedium{
     .settings = kEvdevSettings,
     .has_datagrams = true,
     .users = Users::one,
+    .silence = {.nothing = "nothing from it yet; check that it is switched on and connected",
+                .no_frame = "what comes is no report of a gamepad; check that it is one",
+                .not_good = "let go of its sticks, then press a button; and hold its dead man's "
+                            "button, if it has one",
+                .doctor = "looks at it"},
     .is_missing = is_absent,
     .open =
         [](const std::string& device, const LinkUse& use) {

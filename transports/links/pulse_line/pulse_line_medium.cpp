@@ -111,6 +111,11 @@ const Medium kPulseLineMedium{
     .check = check_pulse_line,
     .has_datagrams = true,
     .users = Users::one,
+    .silence = {.nothing = "no pulse yet; check wire, ground and power of the receiver",
+                .no_frame =
+                    "pulses but no frame yet; check that the receiver's output is PPM, and that "
+                    "its level fits the line",
+                .doctor = "looks at the line"},
     .is_missing = is_pulse_line_missing,
     .open = open_pulse_line,
 };

@@ -48,6 +48,11 @@ const Medium kSerialMedium{
     .place_absent = "required on a serial line",
     .has_line = true,
     .users = Users::one_each_way,
+    .silence = {.nothing = "no byte yet; check wire, ground and power of the receiver",
+                .no_frame = "but no frame yet; check protocol and rate, and the inverter: SBUS "
+                            "needs one, i.Bus must not have one",
+                .counts = "byte",
+                .doctor = "listens there once this program is stopped"},
     .is_missing = SerialPort::is_missing,
     .is_same = is_same,
     .refusal = refusal,

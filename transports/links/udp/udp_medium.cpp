@@ -74,6 +74,11 @@ const Medium kUdpMedium{
     .check = check,
     .has_datagrams = true,
     .users = Users::one,
+    .silence = {.nothing = "no datagram yet; check that its sender runs, that it sends to this "
+                           "address and port, and what `sender` and a firewall let pass",
+                .no_frame = "but no frame yet; check that the sender uses the same protocol, and "
+                            "sends whole frames in a datagram",
+                .counts = "byte"},
     .is_missing = UdpLink::is_missing,
     .open =
         [](const std::string& address, const LinkUse& use) {

@@ -77,6 +77,13 @@ TEST(DemoScreen, shows_every_channel_before_and_after_on_a_plain_terminal) {
     }
 }
 
+TEST(DemoScreen, a_low_terminal_counts_the_channels_that_it_hides) {
+    const auto lines = visible_lines(draw_demo(figures(), {.columns = 80, .rows = 10}));
+    ASSERT_EQ(lines.size(), 9U);
+    EXPECT_EQ(lines[5].substr(0, 2), " 4");
+    EXPECT_EQ(lines[6], "… 14 more channels");
+}
+
 TEST(DemoScreen, a_narrow_terminal_keeps_what_the_servos_get) {
     const auto lines = visible_lines(draw_demo(figures(), {.columns = 30, .rows = 24}));
     EXPECT_NE(lines[3].find("1200"), std::string::npos);

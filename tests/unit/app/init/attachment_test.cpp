@@ -175,7 +175,7 @@ TEST(InitInput, that_is_in_use_is_accepted_only_if_its_protocol_is_named) {
     const ExaminedPlace examined =
         with_problem(free_port("0"), "port.in_use", "it is in use by cat");
     const Decision decision = decide_input(examined, nullptr);
-    EXPECT_EQ(refusal_of(decision), "tribus could not listen to it");
+    EXPECT_EQ(refusal_of(decision), "it is in use by cat");
     EXPECT_TRUE(tells(decision, "port.in_use"));
     EXPECT_TRUE(decide_input(examined, &kSbusProtocol).attachment);
 }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "app/doctor/line_advice.h"
 #include "tests/unit/app/init/examined_places.h"
 #include "transports/codecs/dronecan/dronecan.h"
 #include "transports/codecs/ibus/ibus.h"
@@ -45,6 +46,7 @@ class DescribedPorts : public Ports {
         const auto& heard = stories[examined.node];
         if (!heard.empty()) {
             examined.story = heard[std::min(listened, heard.size() - 1)];
+            examined.findings = doctor::judge_story(*examined.story, examined.node);
         }
         ++listened;
         return examined;
@@ -142,6 +144,34 @@ TEST_F(InitDialogue, after_silence_the_protocol_can_be_named) {
     const auto input = answers("1\nsbus\n").ask_input();
     ASSERT_TRUE(input) << all_said();
     EXPECT_EQ(input->protocol, &kSbusProtocol);
+}
+
+/// What a person sees when nothing was heard, from the question to the cursor.
+TEST_F(InitDialogue, after_silence_question_and_reason_are_on_one_small_screen_the_reason_last) {
+    ports.stories["/dev/ttyUSB0"] = {doctor::LineStory()};
+    std::istringstream in("1\n");
+    std::ostringstream out;
+    Messages messages(out, 60, false);
+    EXPECT_FALSE(Dialogue(in, true, messages, ports).ask_input());
+    const std::string asked = out.str().substr(out.str().find("What now?"));
+    EXPECT_LE(std::ranges::count(asked, '\n'), 20) << asked;
+    for (const Protocol* protocol : offered_protocols(SettingScope::input, kSerialMedium)) {
+        EXPECT_NE(asked.find("  " + std::string(protocol->name)), std::string::npos) << asked;
+    }
+    EXPECT_LT(asked.find("mavlink"), asked.find("[line.silence]")) << asked;
+    EXPECT_LT(asked.find("[line.silence]"), asked.find("/dev/ttyUSB0: nothing was heard."));
+    EXPECT_NE(asked.find("/dev/ttyUSB0: nothing was heard.\nA number; Enter takes 1.\n> "),
+              std::string::npos)
+        << asked;
+}
+
+TEST_F(InitDialogue, after_silence_says_the_port_once) {
+    ports.stories["/dev/ttyUSB0"] = {doctor::LineStory()};
+    EXPECT_FALSE(answers("1\n").ask_input());
+    const std::string asked = all_said().substr(all_said().find("What now?"));
+    const std::size_t first = asked.find("/dev/ttyUSB0");
+    EXPECT_NE(first, std::string::npos) << asked;
+    EXPECT_EQ(asked.find("/dev/ttyUSB0", first + 1), std::string::npos) << asked;
 }
 
 TEST_F(InitDialogue, a_protocol_that_the_port_cannot_run_is_refused) {

@@ -24,10 +24,10 @@ TEST(InitNext, comments_name_only_files_that_they_can_hold) {
     EXPECT_EQ(name_in_comments("f\xc3\xbc.toml"), "FILE");
 }
 
-TEST(InitNext, commands_check_run_and_learn) {
+TEST(InitNext, commands_check_and_learn_before_they_run) {
     EXPECT_EQ(next_commands("servos.toml", "receiver"),
-              (Lines{"tribus check servos.toml", "tribus run servos.toml",
-                     "tribus learn servos.toml:receiver"}));
+              (Lines{"tribus check servos.toml", "tribus learn servos.toml:receiver",
+                     "tribus run servos.toml"}));
 }
 
 TEST(InitNext, service_runs_the_file_by_its_name) {

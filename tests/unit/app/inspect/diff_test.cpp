@@ -28,7 +28,7 @@ TEST(Diff, SaysChannelByChannelHowTheMapChanges) {
               "pipeline main:\n"
               "  channel 1: channel 1 before, now channel 2\n"
               "  channel 2: channel 2 before, now channel 1, reverse, expo 0.3\n"
-              "  channel 16: channel 16 before, now fixed 1500\n"
+              "  channel 16: channel 16 before, now fixed 1500 us\n"
               "  (applies from the next frame of its outputs)\n");
 }
 

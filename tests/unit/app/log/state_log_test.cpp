@@ -205,9 +205,7 @@ TEST_F(StateLogOverAReload, SaysWhatHadNoLineLeftBefore) {
 TEST_F(StateLogOverAReload, CountsTheSilenceOfAnInputFromItsStart) {
     EXPECT_EQ(said_at(Instant(1s), kReceiver), "");
     reload(Instant(2s));
-    const std::string silent =
-        "input receiver: no byte yet; check wire, ground and power of the receiver\n";
-    EXPECT_EQ(said_at(Instant(3s), kReceiver), silent);
+    EXPECT_NE(said_at(Instant(3s), kReceiver).find("no byte yet"), std::string::npos);
     reload(Instant(4s));
     EXPECT_EQ(said_at(Instant(8s), kReceiver), "") << "it has been said";
 }

@@ -143,7 +143,8 @@ TEST_F(MonitorScreen, ReachesEveryChannelAndPortOn80x24) {
     std::string all = plain();
     EXPECT_FALSE(shows("1518")) << "no need to scroll";
     EXPECT_FALSE(shows("/dev/last")) << "no need to scroll";
-    EXPECT_TRUE(shows("  1-21 of ")) << plain();
+    EXPECT_TRUE(shows("  1-20 of 39")) << plain();
+    EXPECT_TRUE(shows("... 10 more channels, 6 ports, 1 value below\n")) << plain();
     for (int page = 0; page < 3; ++page) {
         view_.top = top_after_pages(view_, style_, 1);
         all += plain();
@@ -152,11 +153,69 @@ TEST_F(MonitorScreen, ReachesEveryChannelAndPortOn80x24) {
         EXPECT_NE(all.find(std::to_string(1500 + channel)), std::string::npos) << channel;
     }
     EXPECT_NE(all.find("/dev/last"), std::string::npos) << all;
+    EXPECT_TRUE(shows("... 4 more inputs, 4 outputs, ")) << plain();
+    EXPECT_FALSE(shows(" below\n")) << plain();
     EXPECT_EQ(top_after_pages(view_, style_, 1), view_.top) << "behind the end";
     for (int page = 0; page < 3; ++page) {
         view_.top = top_after_pages(view_, style_, -1);
     }
     EXPECT_EQ(view_.top, 0U);
+}
+
+/// Whatever the size and wherever it stands: each row is in sight or counted.
+TEST_F(MonitorScreen, CountsAllThatIsOutOfSight) {
+    const json input = view_.status["inputs"][0];
+    view_.status["inputs"] = json::array({input, input, input, input, input, input, input, input});
+    style_.columns = 60;
+    for (style_.rows = 10; style_.rows < 30; ++style_.rows) {
+        for (view_.top = 0; view_.top < 30; ++view_.top) {
+            const std::string text = plain();
+            int inputs = 0;
+            for (const std::string& line : lines_of(draw_monitor(view_, style_))) {
+                inputs += line.find(" main         ibus ") != std::string::npos ? 1 : 0;
+                const std::size_t more = line.find(" more input");
+                inputs += more != std::string::npos && line.starts_with("... ")
+                              ? std::stoi(line.substr(4, more))
+                              : 0;
+            }
+            EXPECT_EQ(inputs, 8) << style_.rows << " rows, top " << view_.top << "\n" << text;
+        }
+    }
+}
+
+TEST_F(MonitorScreen, MarksColumnsThatItCuts) {
+    style_.columns = 40;
+    EXPECT_TRUE(shows("  main         ibus     good           >\n")) << plain();
+    style_.unicode = true;
+    EXPECT_TRUE(shows("  main         ibus     good           …\n")) << plain();
+}
+
+TEST_F(MonitorScreen, TellsAsMuchAboutTheKeysAsFitsBesideThePlace) {
+    style_.rows = 10;
+    const std::vector<std::pair<std::size_t, std::string>> lines{
+        {120, "up/down selects  PgUp/PgDn scrolls  p pauses  q quits  1-6 of 15\n"},
+        {60, "up/down PgUp/PgDn  p pauses  q quits  1-6 of 15\n"},
+        {40, "PgUp/PgDn  q quits  1-6 of 15\n"},
+        {20, "q quits  1-6 of 15\n"}};
+    for (const auto& [columns, keys] : lines) {
+        style_.columns = columns;
+        EXPECT_TRUE(shows("\n" + keys)) << plain();
+    }
+}
+
+TEST_F(MonitorScreen, MarksASentenceThatNeedsMoreRowsThanThereAre) {
+    style_.columns = 20;
+    style_.rows = 4;
+    view_.connected = false;
+    view_.notice = "no daemon answers at /run/tribus/a-name-that-is-long.sock: Connection refused";
+    EXPECT_TRUE(shows("\n>\n")) << plain();
+}
+
+TEST_F(MonitorScreen, NamesSensorsThatAnswerAndCannotBeRead) {
+    view_.status["sensor_buses"] = json::parse(
+        R"([{"name":"probes","role":"receiver","found":[{"address":1}],"counts":{},
+             "faults":[{"address":1,"fault":"wrong_size"},{"address":2,"fault":"no_type"}]}])");
+    EXPECT_TRUE(shows("address 1: wrong size  address 2: no type")) << plain();
 }
 
 TEST_F(MonitorScreen, ScrollsToWhatIsSelected) {

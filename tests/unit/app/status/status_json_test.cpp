@@ -199,6 +199,16 @@ TEST_F(StatusJson, NamesTheSensorsThatWereFound) {
     EXPECT_TRUE(found[1]["type"].is_null());
 }
 
+TEST_F(StatusJson, NamesSensorsThatAnswerAndCannotBeRead) {
+    EXPECT_EQ(told()["sensor_buses"][0]["faults"], json::array());
+    SensorFaults& faults = report_.sensor_buses[0].faults;
+    faults[0] = {.kind = SensorFault::Kind::wrong_size, .sent_size = 4};
+    faults[1] = {.kind = SensorFault::Kind::no_type};
+    EXPECT_EQ(told()["sensor_buses"][0]["faults"].dump(),
+              R"([{"address":1,"fault":"wrong_size","sent_bytes":4},)"
+              R"({"address":2,"fault":"no_type","sent_bytes":null}])");
+}
+
 TEST_F(StatusJson, AValueGrowsStaleAndKeepsItsNumber) {
     const NamedValue value{.name = "pack.voltage", .unit = "V", .lasts = std::chrono::seconds(1)};
     const Instant then = kNow - std::chrono::seconds(1);

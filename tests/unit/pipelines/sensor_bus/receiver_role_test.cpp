@@ -86,6 +86,8 @@ class ReceiverRoleAtAWire : public testing::Test {
         return bytes.empty() ? "-" : std::string{kDigits[bytes[1] >> 4U], kDigits[bytes[1] & 0xFU]};
     }
 
+    SensorFault fault_of_first() const { return role_->faults()[0]; }
+
     ValueBoard board_{std::vector<NamedValue>(31, {"", "", 2s})};
     Instant now_ = kStart;
     bool echoes_ = true;
@@ -345,6 +347,46 @@ TEST_F(ReceiverRoleAtAWire, KeepsASensorThatAnswersBeforeItHasMissedTooOftenInAR
     }
     EXPECT_EQ(role_->found().size(), 1U);
     EXPECT_EQ(role_->counts().lost_sensors, 0U);
+}
+
+TEST_F(ReceiverRoleAtAWire, SaysThatASensorAnswersButNeverTellsItsType) {
+    set_type(1, 0x02, 2);
+    replies_.erase(0x91);
+    start_up();
+    EXPECT_EQ(asked(7), "81 91 91 81 91 91 81");
+    EXPECT_EQ(fault_of_first(), (SensorFault{.kind = SensorFault::Kind::no_type}));
+    EXPECT_TRUE(role_->found().empty());
+    unplug(1);
+    asked(7);
+    EXPECT_NE(fault_of_first(), SensorFault{}) << "a few requests may be lost";
+    asked(6);
+    EXPECT_EQ(fault_of_first(), SensorFault{}) << "it is gone";
+}
+
+TEST_F(ReceiverRoleAtAWire, SaysThatValuesHaveAnotherSizeThanTheSensorSaid) {
+    set_type(1, 0x02, 2);
+    set_value(1, {0x10, 0x27, 0, 0});
+    start_up();
+    asked(500);
+    EXPECT_EQ(fault_of_first(),
+              (SensorFault{.kind = SensorFault::Kind::wrong_size, .sent_size = 4}));
+    EXPECT_EQ(role_->counts().lost_sensors, 0U) << "it answers";
+    EXPECT_FALSE(board_.ever(1));
+    set_value(1, {0x10, 0x27});
+    asked(2);
+    EXPECT_EQ(fault_of_first(), SensorFault{});
+    EXPECT_EQ(board_.fresh(1, now_), 10'000);
+}
+
+TEST_F(ReceiverRoleAtAWire, FindsOutThatAnotherSensorWasPluggedInBetweenTwoRequests) {
+    make({.drop_after = 4});
+    find_speed();
+    set_type(1, 0x2E, 4);
+    set_value(1, {1, 0, 0, 0});
+    EXPECT_EQ(asked(8), "a1 a1 a1 a1 91 82 a1 a1");
+    EXPECT_EQ(role_->found()[0], (FoundSensor{.type = 0x2E, .size = 4}));
+    EXPECT_EQ(fault_of_first(), SensorFault{});
+    EXPECT_EQ(board_.fresh(0, now_), 1);
 }
 
 }  // namespace

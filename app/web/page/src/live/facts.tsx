@@ -64,7 +64,9 @@ function busText(bus: SensorBus): string {
     if (bus.role === 'receiver') {
         const found = bus.found?.map((one) => one.type).join(', ');
         return `${bus.found?.length ?? 0} sensors${found ? ` (${found})` : ''}, `
-            + `replies ${bus.counts.replies ?? 0}, misses ${bus.counts.misses ?? 0}`;
+            + `replies ${bus.counts.replies ?? 0}, misses ${bus.counts.misses ?? 0}`
+            + (bus.faults ?? []).map((one) => `, address ${one.address}: ${words(one.fault)}`)
+                .join('');
     }
     const age = bus.request_age_us;
     return `answered ${bus.counts.answered ?? 0}, late ${bus.counts.late ?? 0}, newest request `

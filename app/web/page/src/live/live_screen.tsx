@@ -23,8 +23,8 @@ function NeverHeard() {
     const unheard = inputs.filter((one) => one.cause === 'never_seen');
     return unheard.length === 0 ? null : (
         <p class="hint">
-            No receiver has been heard on {unheard.map((one) => one.port).join(', ')}: look for
-            wire, ground and power.{' '}
+            Nothing has been heard on {unheard.map((one) => one.port).join(', ')}: look at what
+            sends there, and at the way from it to this board.{' '}
             {offers('doctor')
                 ? <a href={addressOf('doctor')}>Doctor can listen.</a>
                 : <>On the board, <code>tribus doctor</code> can listen.</>}

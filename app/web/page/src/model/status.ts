@@ -82,6 +82,7 @@ export interface SensorBus {
     port: string;
     role: string;
     found?: { address: number; type: string }[];
+    faults?: { address: number; fault: string }[];
     counts: Record<string, number>;
     request_age_us?: number | null;
 }

@@ -1,0 +1,162 @@
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+
+#include "app/log/state_log.h"
+#include "config/load.h"
+#include "pipelines/realtime/clock.h"
+#include "tests/support/far_end.h"
+#include "tests/support/temporary_folder.h"
+#include "transports/links/can/can_medium.h"
+#include "transports/links/evdev/evdev_medium.h"
+#include "transports/links/serial/serial_medium.h"
+#include "transports/links/udp/udp_medium.h"
+#include "transports/registry/registry.h"
+
+/// What the log says of an input at which nothing comes, or nothing of use.
+namespace tribus::test::state_log_silence_test {
+namespace {
+
+using namespace std::chrono_literals;
+
+class StateLogOfASilentInput : public testing::Test {
+  protected:
+    StateLogOfASilentInput() : logger_before_(spdlog::default_logger()) {
+        auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(said_);
+        sink->set_pattern("%v");
+        spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", sink));
+    }
+    ~StateLogOfASilentInput() override { spdlog::set_default_logger(logger_before_); }
+
+    /// `place`: the key and value that say where the SBUS input is.
+    void start(const std::string& place) {
+        const std::string text = "[input.receiver]\nprotocol = \"sbus\"\n" + place +
+                                 "\n[output.servos]\nprotocol = \"sbus\"\ndevice = \"" +
+                                 servos_.path() +
+                                 "\"\n[pipeline.main]\nfrom = \"receiver\"\nto = \"servos\"\n"
+                                 "[runtime]\nrealtime = \"off\"\n";
+        auto started = Appliance::start(load_configuration(text, "test.toml").value(),
+                                        Appliance::MissingDevices::wait_for_absent);
+        ASSERT_TRUE(started) << started.error().front();
+        appliance_ = std::move(*started);
+        log_ = std::make_unique<StateLog>(*appliance_, Instant(0s));
+    }
+    /// Returns what the log says of the input when it looks.
+    std::string said_at(Instant now) {
+        log_->look(*appliance_, now);
+        std::istringstream all(std::move(said_).str());
+        said_.str("");
+        std::string lines;
+        for (std::string line; std::getline(all, line);) {
+            lines += line.starts_with("input receiver: ") ? line + "\n" : "";
+        }
+        return lines;
+    }
+    template <class Condition>
+    static void until(Condition condition) {
+        const Instant patience = monotonic_now() + 10s;
+        while (!condition()) {
+            ASSERT_LT(monotonic_now(), patience) << "nothing of it was seen";
+            std::this_thread::sleep_for(7ms);
+        }
+    }
+    bool all_present() const { return appliance_->port_present(0) && appliance_->port_present(1); }
+    std::uint64_t bytes() const { return appliance_->input_status(0).counts.bytes; }
+
+    TemporaryFolder folder_;
+    FarEnd servos_{folder_ / "servos"};
+    FarEnd receiver_{folder_ / "receiver"};
+    std::string device_ = "device = \"" + receiver_.path() + "\"";
+    std::unique_ptr<Appliance> appliance_;
+
+  private:
+    std::ostringstream said_;
+    std::shared_ptr<spdlog::logger> logger_before_;
+    std::unique_ptr<StateLog> log_;
+};
+
+TEST_F(StateLogOfASilentInput, NamesWireAndDoctorForASerialLine) {
+    start(device_);
+    EXPECT_EQ(said_at(Instant(2s)), "");
+    EXPECT_EQ(said_at(Instant(3s)),
+              "input receiver: no byte yet; check wire, ground and power of the receiver; `tribus "
+              "doctor " +
+                  receiver_.path() + "` listens there once this program is stopped\n");
+    EXPECT_EQ(said_at(Instant(9s)), "") << "it has been said";
+}
+
+TEST_F(StateLogOfASilentInput, NamesRateAndInverterWhereBytesOfASerialLineAreNoFrames) {
+    start(device_);
+    receiver_.send(Bytes(7, 0x55));
+    until([&] { return bytes() == 7; });
+    EXPECT_EQ(said_at(Instant(3s)),
+              "input receiver: garbled (bytes, but no frames)\n"
+              "input receiver: 7 bytes but no frame yet; check protocol and rate, and the "
+              "inverter: SBUS needs one, i.Bus must not have one; `tribus doctor " +
+                  receiver_.path() + "` listens there once this program is stopped\n");
+}
+
+TEST_F(StateLogOfASilentInput, NamesTheSenderAndNoWireForUdp) {
+    // Tests that run at the same time have other processes.
+    start("address = \"127.0.0.1:" + std::to_string(20000 + ::getpid() % 40000) + "\"");
+    EXPECT_EQ(said_at(Instant(3s)),
+              "input receiver: no datagram yet; check that its sender runs, that it sends to this "
+              "address and port, and what `sender` and a firewall let pass\n");
+}
+
+TEST_F(StateLogOfASilentInput, SaysNothingOfWiresWhileItsDeviceIsNotThere) {
+    receiver_.pull();
+    start(device_);
+    EXPECT_EQ(said_at(Instant(3s)), "");
+    receiver_.plug_in();
+    until([&] { return said_at(Instant(10s)).empty() && all_present(); });
+    EXPECT_EQ(said_at(Instant(12s)), "");
+    EXPECT_NE(said_at(Instant(13s)).find("no byte yet"), std::string::npos)
+        << "3 s after it was plugged in";
+}
+
+bool has_inputs(const Medium& medium) {
+    return std::ranges::any_of(protocols(), [&](const Protocol* protocol) {
+        return carries(medium, *protocol) && protocol->goes(SettingScope::input);
+    });
+}
+
+TEST(SilenceAdvice, IsGivenForEveryMediumThatHasInputs) {
+    for (const Medium* medium : media()) {
+        if (has_inputs(*medium)) {
+            EXPECT_NE(medium->silence.nothing, "") << medium->name;
+            EXPECT_NE(medium->silence.no_frame, "") << medium->name;
+            EXPECT_NE(medium->silence.not_good, "") << medium->name;
+        }
+    }
+}
+
+TEST(SilenceAdvice, SpeaksOfWiresOnlyWhereThereAreWires) {
+    for (const Medium* medium : {&kUdpMedium, &kEvdevMedium}) {
+        for (const std::string_view text : {medium->silence.nothing, medium->silence.no_frame}) {
+            EXPECT_EQ(text.find("wire"), std::string_view::npos) << text;
+            EXPECT_EQ(text.find("inverter"), std::string_view::npos) << text;
+            EXPECT_EQ(text.find("ground"), std::string_view::npos) << text;
+        }
+    }
+}
+
+TEST(SilenceAdvice, NamesDoctorWhereDoctorKnowsThePlace) {
+    for (const Medium* medium : media()) {
+        const bool known = has_inputs(*medium) && medium != &kUdpMedium;
+        EXPECT_EQ(!medium->silence.doctor.empty(), known) << medium->name;
+    }
+}
+
+}  // namespace
+}  // namespace tribus::test::state_log_silence_test
