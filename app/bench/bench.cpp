@@ -262,7 +262,7 @@ Command bench_command() {
                      .choices = {"text", "json"}}},
         .examples = {{"sudo tribus bench", "all of it, 20 s"},
                      {"sudo tribus bench --only latency --seconds 5 --require p99=200us", ""},
-                     {"sudo tribus bench --ports /dev/ttyAMA2 /dev/ttyAMA3 --plot bench.svg", ""}},
+                     {"sudo tribus bench --ports /dev/ttyAMA5 /dev/ttyAMA3 --plot bench.svg", ""}},
         .exits = {{kExitFailed, "not measured, or a requirement does not hold"},
                   {kExitInterrupted, "interrupted"}},
         .run = [options] { return run_bench(*options); },

@@ -245,7 +245,7 @@ Command doctor_command() {
                      .shows_value = true,
                      .choices = {"text", "json"}}},
         .examples = {{"tribus doctor", "all ports and the machine, without opening any"},
-                     {"tribus doctor --for 5s /dev/ttyAMA2",
+                     {"tribus doctor --for 5s /dev/ttyAMA5",
                       "with a receiver attached: which protocol arrives there, and how well"}},
         .exits = {{kExitFine, "no problems"}, {kExitFailed, "problems found, or the work failed"}},
         .run = [options] { return examine(*options); },

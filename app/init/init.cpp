@@ -296,7 +296,7 @@ Command init_command() {
                      .value = &options->force,
                      .help = "Replace the file if it exists"}},
         .examples = {{"tribus init", "asks, and writes tribus.toml"},
-                     {"tribus init --in /dev/ttyAMA2 --out /dev/ttyAMA3=sbus servos.toml",
+                     {"tribus init --in /dev/ttyAMA5 --out /dev/ttyAMA3=sbus servos.toml",
                       "asks nothing; the protocol of the input is the one that is heard"}},
         .exits = {{kExitFine, "the file is written"},
                   {kExitFailed, "it is not, because of a port, silence or the file"}},

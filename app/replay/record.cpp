@@ -130,7 +130,7 @@ Command record_command() {
                      .value_name = "MIB"},
                     {.name = "--force", .value = &options->force, .help = "Overwrite the file"}},
         .examples = {{"tribus record servos", "what passed the ports of the daemon of servos.toml"},
-                     {"tribus record /dev/ttyAMA2 --protocol ibus --out receiver.txt --for 10s",
+                     {"tribus record /dev/ttyAMA5 --protocol ibus --out receiver.txt --for 10s",
                       ""},
                      {"tribus record can0 --out drive.log", "until Ctrl-C"}},
         .run = [options] { return record(*options); },

@@ -270,7 +270,7 @@ TEST_F(Init, SaysANameThatNothingHasOnce) {
 
 TEST_F(Init, AdvisesToLearnHowTheReceiverLosesItsLinkBeforeItIsRun) {
     Program& program =
-        init({file(), "--in", "/dev/ttyAMA2=ibus", "--out", "/dev/ttyAMA3=sbus", "--listen", "0"});
+        init({file(), "--in", "/dev/ttyAMA5=ibus", "--out", "/dev/ttyAMA3=sbus", "--listen", "0"});
     EXPECT_EQ(program.end(), 0) << program.errors();
     const std::string errors = program.errors();
     const std::size_t learn = errors.find("  tribus learn " + file() + ":receiver\n");
