@@ -63,6 +63,9 @@ void replace_lists_in(Table& table, std::span<const Key> keys, const std::string
         }
         if (key != nullptr) {
             replace_lists_under(entry.value, *key, inside, mistakes);
+        } else if (auto* own = std::get_if<Table>(&entry.value.content)) {
+            // A key of a protocol. None has lists of tables.
+            replace_lists_in(*own, {}, inside, mistakes);
         }
     }
 }

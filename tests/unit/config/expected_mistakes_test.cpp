@@ -268,16 +268,16 @@ constexpr Spoilt kKeys[]{
 };
 INSTANTIATE_TEST_SUITE_P(Keys, NewcomersMistake, ::testing::ValuesIn(kKeys), name_of);
 
-/// A mistake on CAN, in a whole file.
-struct OnCan {
+/// A mistake in the table of an output "bus".
+struct InOutput {
     std::string_view name;
     std::string_view lines;
     std::string_view expected;
 };
 
-class NewcomersMistakeOnCan : public ::testing::TestWithParam<OnCan> {};
+class NewcomersMistakeInOutput : public ::testing::TestWithParam<InOutput> {};
 
-TEST_P(NewcomersMistakeOnCan, IsToldWithWhatToWrite) {
+TEST_P(NewcomersMistakeInOutput, IsToldWithWhatToWrite) {
     const std::string text =
         "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"/dev/ttyA\"\n"
         "[pipeline.main]\nfrom = \"receiver\"\nto = \"bus\"\n" +
@@ -285,7 +285,7 @@ TEST_P(NewcomersMistakeOnCan, IsToldWithWhatToWrite) {
     EXPECT_EQ(told_about(text), GetParam().expected);
 }
 
-constexpr OnCan kOnCan[]{
+constexpr InOutput kInOutput[]{
     {"bit_rate", "[output.bus]\nprotocol = \"can\"\ninterface = \"can1\"\nbitrate = 250000",
      "t.toml:10:1: unknown key \"bitrate\" in [output.bus]; a CAN interface gets it from Linux: "
      "sudo ip link set can1 up type can bitrate 250000"},
@@ -306,11 +306,15 @@ constexpr OnCan kOnCan[]{
      "t.toml:10:6: \"id\" is \"0x300\"; leave the quotes out: id = 0x300"},
     {"id_with_a_large_x", "[output.bus]\nprotocol = \"can\"\ninterface = \"can0\"\nid = 0X200",
      "t.toml:10:6: 0X200 is not a valid value: 0x, 0o and 0b have small letters; write 0x200"},
+    {"list_inside_a_key_of_the_protocol",
+     "[output.bus]\nprotocol = \"joystick\"\nname = \"pad\"\n"
+     "[[output.bus.buttons.1]]\nchannel = 5\nabove = 1500",
+     "t.toml:10:1: [[output.bus.buttons.1]] makes a list of tables; write [output.bus.buttons.1]"},
     {"output_of_a_chip_in_quotes",
      "[output.bus]\nprotocol = \"pwm\"\nchip = \"pwmchip0\"\noutputs = { 1 = \"0\" }",
      "t.toml:10:17: allowed: an output of the chip, 0 to 63, without quotes"},
 };
-INSTANTIATE_TEST_SUITE_P(Can, NewcomersMistakeOnCan, ::testing::ValuesIn(kOnCan),
+INSTANTIATE_TEST_SUITE_P(Outputs, NewcomersMistakeInOutput, ::testing::ValuesIn(kInOutput),
                          [](const auto& mistake) { return std::string(mistake.param.name); });
 
 }  // namespace

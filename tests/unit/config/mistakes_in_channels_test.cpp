@@ -47,7 +47,7 @@ throttle = 3)",
      R"([pipeline.main.channels]
 1 = "2")",
      R"(t.toml:11:5: channel 1 is "2"; allowed: the number of an input channel from 1 )"
-     R"(to 18, or a table such as { from = 1, reverse = true })"},
+     R"(to 18, without quotes, or a table such as { from = 1, reverse = true })"},
     {"empty_entry", 10,
      R"([pipeline.main.channels]
 1 = {})",
@@ -137,7 +137,7 @@ throttle = 3)",
     {"mix_of_a_wrong_type", 10,
      R"([pipeline.main.channels]
 1 = { mix = [1, 2] })",
-     R"(t.toml:11:13: "mix" is a list; allowed: a table of weights by channel number, )"
+     R"(t.toml:11:13: "mix" is [1, 2]; allowed: a table of weights by channel number, )"
      R"(such as { 1 = 0.5, 2 = -0.5 })"},
     {"mix_with_a_channel_out_of_range", 10,
      R"([pipeline.main.channels]

@@ -40,13 +40,15 @@ protocol = "ibus")",
 [input.receiver])",
      R"(t.toml:1:11: "runtime" is 5; allowed: a table, [runtime])"},
     {"input_that_is_a_list", 4,
-     R"([[input.second]]
-protocol = "ibus"
+     R"([input]
+second = [1]
 [output.servos])",
-     R"(t.toml:4:9: "second" stands in [input] itself; allowed: tables with a name, )"
+     R"(t.toml:5:1: "second" stands in [input] itself; allowed: tables with a name, )"
      R"([input.NAME])"},
-    {"list_of_inputs", 10, "[[runtime]]",
-     R"(t.toml:10:1: "runtime" is a list; allowed: a table, [runtime])"},
+    {"runtime_that_is_a_list", 1,
+     R"(runtime = [1]
+[input.receiver])",
+     R"(t.toml:1:11: "runtime" is [1]; allowed: a table, [runtime])"},
     {"name_with_a_space", 7, R"([pipeline."main one"])",
      R"(t.toml:7:11: "main one" is not a name; allowed: letters, digits, "_" and "-", )"
      R"(at least one)"},

@@ -106,8 +106,8 @@ timeout = "3s"
     const std::string effective = effective_toml(loaded(text));
     EXPECT_EQ(effective_toml(loaded(effective)), effective);
     for (const std::string_view line :
-         {R"(sensor = [{ type = "external_voltage", value = "battery.voltage" })",
-          R"({ type = "gps_status", values = { satellites = "cells" } })",
+         {R"(sensor = [{ type = "external_voltage", value = "battery.voltage", offset = 0 })",
+          R"({ type = "gps_status", values = { satellites = "cells" }, offset = 0 })",
           R"({ type = "lift", value = "battery.Odd", scale = 2, offset = -1, not_available = 0 }])",
           "chain = true\n", "reply_after = \"200us\"", "slot = \"7700us\"", "drop_after = 66",
           "signals = { voltage = \"Voltage\" }", "timeout = \"1s\"", "timeout = \"3s\"",
