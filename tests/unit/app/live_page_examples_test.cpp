@@ -135,7 +135,7 @@ TEST_F(LivePageExamples, ShowARecordingAndItsReplay) {
         "tribus record \"$PWD/receiver\" --protocol ibus --out got.txt --for 2s --force");
     expect_at_ports(
         "tribus replay receiver.txt --to pty --link /tmp/receiver --loop",
-        "tribus replay receiver.txt --to pty --link \"$PWD/again\" --loop > again.log 2>&1 & "
+        "\"$TRIBUS\" replay receiver.txt --to pty --link \"$PWD/again\" --loop > again.log 2>&1 & "
         "again=$!\nwait_for grep -q waiting again.log\ncat again > copy 2> /dev/null & "
         "sleep 1; kill $again; wait $again\n"
         "sed 's/^sent/^C\\n&/' again.log");
