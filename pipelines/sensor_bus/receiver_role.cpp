@@ -214,7 +214,7 @@ void ReceiverRole::take(const SensorFrame& frame, Instant now, ValueBoard& board
     const std::size_t sensor = frame.address - 1U;
     switch (frame.command) {
         case SensorCommand::discover:
-            sensors_[sensor].misses = 0;
+            sensors_[frame.address - 1U].misses = 0;
             ongoing_.follow_up = Request{SensorCommand::type, frame.address};
             break;
         case SensorCommand::type:

@@ -118,6 +118,7 @@ TEST_F(StateLogOfASilentInput, SaysNothingOfWiresWhileItsDeviceIsNotThere) {
     receiver_.pull();
     start(device_);
     EXPECT_EQ(said_at(Instant(3s)), "");
+    EXPECT_EQ(said_at(Instant(10s)), "");
     receiver_.plug_in();
     until([&] { return said_at(Instant(10s)).empty() && all_present(); });
     EXPECT_EQ(said_at(Instant(12s)), "");
