@@ -225,7 +225,8 @@ void add_surroundings(Body& body, const MonitorView& view, const ScreenStyle& st
 ScreenLayout layout_of(const MonitorView& view, const ScreenStyle& style) {
     // The last row shows the keys.
     const std::size_t rows = std::max<std::size_t>(style.rows, 3) - 1;
-    ScreenLayout layout{.head = {heading(view, style)}};
+    ScreenLayout layout;
+    layout.head = {heading(view, style)};
     const Lines trust = trust_lines(view, style);
     layout.head.insert(layout.head.end(), trust.begin(), trust.end());
     if (layout.head.size() > rows) {
