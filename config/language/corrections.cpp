@@ -15,8 +15,9 @@ namespace {
 /// Long enough for a path, short enough for a message that shows it three times.
 constexpr std::size_t kLongestShownText = 60;
 
+/// A character beyond ASCII is not torn apart.
 bool is_number_or_word(char c) {
-    return is_word(c) || c == '.' || c == '+' || c == ':';
+    return is_word(c) || c == '.' || c == '+' || c == ':' || static_cast<unsigned char>(c) >= 0x80;
 }
 
 /// Length of the text with its quotes at the start of `rest`; to the end if it does not end.
@@ -127,13 +128,14 @@ std::optional<Correction> correct_decimal_comma(const std::vector<LinePart>& par
 
 std::vector<LinePart> parts_of_line(std::string_view line) {
     std::vector<LinePart> parts;
+    line = line.substr(0, line.find_last_not_of('\r') + 1);
     for (std::size_t at = 0; at < line.size() && line[at] != '#';) {
         const std::string_view rest = line.substr(at);
         const bool quotes = rest[0] == '"' || rest[0] == '\'';
         const auto word_end = std::ranges::find_if_not(rest, is_number_or_word);
         const auto word = static_cast<std::size_t>(word_end - rest.begin());
         const std::size_t length = quotes ? quoted_length(rest) : std::max<std::size_t>(word, 1);
-        if (rest[0] != ' ' && rest[0] != '\t' && rest[0] != '\r') {
+        if (rest[0] != ' ' && rest[0] != '\t') {
             parts.push_back({at, rest.substr(0, length), quotes});
         }
         at += length;

@@ -147,7 +147,7 @@ std::optional<LongTable> long_table_in(const Lines& lines, std::size_t line) {
             } else if (part.text == "}" && depth > 0) {
                 --depth;
             }
-            const bool tight = table.joined.empty() || part.text == "," || part.text == ".";
+            const bool tight = table.joined.empty() || part.text == ",";
             table.joined += (tight ? "" : " ") + std::string(part.text);
         }
         if (depth == 0) {

@@ -116,6 +116,9 @@ constexpr Spoilt kSyntax[]{
     {"a_path_of_windows_that_ends_with_a_backslash", 3, R"(device = "C:\Port\")",
      R"(t.toml:3:10: "C:\Port\" has a backslash, which begins an escape between "; write )"
      R"('C:\Port\' or "C:\\Port\\")"},
+    {"a_path_of_windows_in_a_line_of_windows", 3, "device = \"C:\\Port\\\"\r",
+     R"(t.toml:3:10: "C:\Port\" has a backslash, which begins an escape between "; write )"
+     R"('C:\Port\' or "C:\\Port\\")"},
     {"a_path_of_windows_whose_backslash_is_an_escape", 3, R"(device = "C:\new")",
      R"(t.toml:3:10: "device" is "C:\u000aew"; allowed: text in quotes, not empty, without )"
      R"(control characters; a backslash begins an escape between ", and stands for itself )"
