@@ -8,6 +8,7 @@
 #include "app/journal/log.h"
 #include "app/journal/log_fields.h"
 #include "app/log/doctor_hint.h"
+#include "app/log/port_of.h"
 #include "core/counted.h"
 
 namespace tribus {
@@ -196,6 +197,11 @@ void SensorBusLog::look(const Appliance& appliance, Instant now) {
     for (std::size_t i = 0; i < buses_.size(); ++i) {
         const SensorBusState state = appliance.bus_state(i);
         const LogFields fields({"TRIBUS_SENSOR_BUS", buses_[i].name});
+        const Station bus{.kind = StationKind::sensor_bus, .index = i};
+        if (!appliance.port_present(port_of(appliance, bus))) {
+            // Nothing can come before the device is there, and that is said of the device.
+            buses_[i].start = now;
+        }
         if (state.is_receiver) {
             look_at_receiver(state, buses_[i], now);
         } else {

@@ -9,6 +9,7 @@
 #include "app/journal/log.h"
 #include "app/journal/log_fields.h"
 #include "app/log/doctor_hint.h"
+#include "app/log/port_of.h"
 #include "core/counted.h"
 
 namespace tribus {
@@ -29,15 +30,6 @@ std::vector<std::size_t> unproved_causes(const Appliance& appliance, std::size_t
         }
     }
     return places;
-}
-
-std::size_t port_of_input(const Appliance& appliance, std::size_t input) {
-    const auto has_it = [input](const PortPlan& plan) {
-        const auto& stations = plan.wiring.stations;
-        return std::ranges::find(stations, input_station(input)) != stations.end();
-    };
-    return static_cast<std::size_t>(std::ranges::find_if(appliance.ports(), has_it) -
-                                    appliance.ports().begin());
 }
 
 }  // namespace
@@ -302,7 +294,7 @@ void StateLog::look(Appliance& appliance, Instant now) {
         const InputStatus status = appliance.input_status(i);
         look_at_input(configuration.inputs[i].name, status, inputs_[i], now);
         look_at_unproved(configuration.inputs[i].name, status, inputs_[i], now);
-        const std::size_t port = port_of_input(appliance, i);
+        const std::size_t port = port_of(appliance, input_station(i));
         if (appliance.port_present(port)) {
             log_missing_signal(configuration.inputs[i].name, status, appliance.ports()[port],
                                inputs_[i], now);

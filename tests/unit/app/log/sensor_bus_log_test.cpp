@@ -62,6 +62,16 @@ class SensorBusLogAtAWire : public testing::Test {
         }
     }
     std::string said() const { return said_.str(); }
+    void pull() {
+        sensors_.pull();
+        while (appliance_->port_present(0)) {
+            appliance_->reopen_devices();
+            std::this_thread::sleep_for(1ms);
+        }
+    }
+
+    std::unique_ptr<Appliance> appliance_;
+    std::unique_ptr<SensorBusLog> log_;
 
   private:
     void answer(const Answers& answers) {
@@ -89,8 +99,6 @@ class SensorBusLogAtAWire : public testing::Test {
     Bytes requests_;
     std::ostringstream said_;
     std::shared_ptr<spdlog::logger> logger_before_;
-    std::unique_ptr<Appliance> appliance_;
-    std::unique_ptr<SensorBusLog> log_;
 };
 
 TEST_F(SensorBusLogAtAWire, NamesASensorThatIsFound) {
@@ -145,6 +153,12 @@ TEST_F(SensorBusLogAtAWire, SaysThatNoSensorRepliesAtAll) {
         "warning sensor bus probes: no sensor replies yet; check wire, ground and power, and that "
         "TX and RX are joined if it is one wire",
         {}, Instant(3s));
+}
+
+TEST_F(SensorBusLogAtAWire, SaysNothingOfWiresWhileItsDeviceIsNotThere) {
+    pull();
+    log_->look(*appliance_, Instant(9s));
+    EXPECT_EQ(said(), "");
 }
 
 }  // namespace
