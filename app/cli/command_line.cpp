@@ -109,7 +109,7 @@ std::string mistake_text(const Program& program, const Command* command, const C
     if (option != remaining.end()) {
         return unknown_option(program, command, *option);
     }
-    const std::string message = error.what();
+    std::string message = error.what();
     if (command == nullptr) {
         return missing_word(program, command, "COMMAND");
     }

@@ -147,6 +147,7 @@ std::string exits_text(std::span<const ExitMeaning> own) {
     }
     std::ranges::sort(all, {}, &ExitMeaning::status);
     std::vector<HelpRow> rows;
+    rows.reserve(all.size());
     for (const ExitMeaning& exit : all) {
         rows.push_back({fmt::format("{}", exit.status), std::string(exit.meaning)});
     }
@@ -163,7 +164,7 @@ std::string value_text(const CommandOption& option) {
     if (option.flag()) {
         return {};
     }
-    const std::string choices = choices_in_name(option);
+    std::string choices = choices_in_name(option);
     if (!choices.empty()) {
         return choices;
     }

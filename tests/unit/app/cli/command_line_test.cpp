@@ -152,6 +152,8 @@ INSTANTIATE_TEST_SUITE_P(
                  R"(--seconds: "soon" is not possible; allowed: a number from 0.5 to 60)"},
         WrongUse{{"steer", "--seconds", "0.1", "c.txt"},
                  R"(--seconds: "0.1" is not possible; allowed: a number from 0.5 to 60)"},
+        WrongUse{{"steer", "--seconds", "61", "c.txt"},
+                 R"(--seconds: "61" is not possible; allowed: a number from 0.5 to 60)"},
         WrongUse{{"steer", "--once", "--number", "1.5", "c.txt"},
                  R"(--number: "1.5" is not possible; allowed: a whole number)"},
         WrongUse{{"steer"}, "FILE is missing; usage: boat steer [OPTIONS] FILE"},

@@ -194,8 +194,10 @@ TEST(ExamplesOfHelp, AreCommandLinesThatTheProgramTakes) {
     for (const Call& call : calls) {
         EXPECT_TRUE(takes(call.words)) << call.example;
     }
+    testing::internal::CaptureStderr();
     EXPECT_FALSE(takes({"tribus", "check", "--fromat", "json", "servos.toml"}));
     EXPECT_FALSE(takes({"tribus", "replay", "receiver.txt"}));
+    testing::internal::GetCapturedStderr();
 }
 
 TEST(ExamplesOfHelp, BelongToTheirCommand) {
