@@ -181,12 +181,15 @@ Mistakes without_follow_ons(const Mistakes& meaning, const Mistakes& syntax) {
 tl::expected<Configuration, std::vector<Mistake>> load_configuration(std::string_view text,
                                                                      std::string_view file_name) {
     Mistakes characters(file_name);
-    const auto decoded = decoded_text(text, characters);
+    std::string decoded_copy;
+    const auto decoded = decoded_text(text, decoded_copy, characters);
     if (!decoded) {
         return tl::unexpected(characters.sorted());
     }
     Mistakes syntax(file_name);
-    Document document = read_document(with_plain_characters(*decoded, characters), syntax);
+    std::string plain_copy;
+    Document document =
+        read_document(with_plain_characters(*decoded, plain_copy, characters), syntax);
     if (!document.readable) {
         characters.add(syntax);
         return tl::unexpected(characters.sorted());

@@ -147,7 +147,8 @@ std::string with_line_ends(std::string_view bytes, Mistakes& mistakes) {
 
 }  // namespace
 
-std::optional<std::string> decoded_text(std::string_view bytes, Mistakes& mistakes) {
+std::optional<std::string_view> decoded_text(std::string_view bytes, std::string& converted,
+                                             Mistakes& mistakes) {
     if (is_hopeless(bytes, mistakes)) {
         return std::nullopt;
     }
@@ -156,9 +157,10 @@ std::optional<std::string> decoded_text(std::string_view bytes, Mistakes& mistak
         bytes.remove_prefix(kByteOrderMark.size());
     }
     if (is_utf8(bytes) && bytes.find('\r') == std::string_view::npos) {
-        return std::string(bytes);
+        return bytes;
     }
-    return with_line_ends(as_utf8(bytes, mistakes), mistakes);
+    converted = with_line_ends(as_utf8(bytes, mistakes), mistakes);
+    return converted;
 }
 
 }  // namespace tribus

@@ -56,10 +56,12 @@ std::string without_detour(const SyntaxError& error) {
 class Recovery {
   public:
     Recovery(std::string_view text, Mistakes& mistakes)
-        : lines_(split(text)), parsed_(parse_toml(text)), mistakes_(mistakes) {}
+        : text_(text), parsed_(parse_toml(text)), mistakes_(mistakes) {}
 
     Document read() {
         Document document;
+        // A text without mistakes needs no lines of its own.
+        lines_ = parsed_ ? Lines{} : split(text_);
         for (std::size_t count = 0; !parsed_; ++count) {
             const bool spent = count == kMostSyntaxMistakes || reparsed_ > kMostReparsedBytes;
             if (spent || !go_on(document.lost)) {
@@ -156,6 +158,7 @@ class Recovery {
         return static_cast<unsigned>(line + 1);
     }
 
+    std::string_view text_;
     Lines lines_;
     Parsed parsed_;
     std::size_t reparsed_ = 0;

@@ -226,8 +226,14 @@ class PlainCharacters {
 
 }  // namespace
 
-std::string with_plain_characters(std::string_view text, Mistakes& mistakes) {
-    return PlainCharacters(text).write(mistakes);
+std::string_view with_plain_characters(std::string_view text, std::string& converted,
+                                       Mistakes& mistakes) {
+    const auto is_ascii = [](char c) { return static_cast<unsigned char>(c) < 0x80; };
+    if (std::ranges::all_of(text, is_ascii)) {
+        return text;
+    }
+    converted = PlainCharacters(text).write(mistakes);
+    return converted;
 }
 
 }  // namespace tribus

@@ -322,19 +322,6 @@ TEST(ManualPage, of_the_programs_beside_have_their_commands_and_exit_statuses) {
     }
 }
 
-/// The protocols that the manual page lists for an option of a command.
-TEST(ManualPage, lists_the_protocols_of_decode_and_encode) {
-    for (const std::string command : {"decode", "encode"}) {
-        const std::string section = section_of(kManualPage, command);
-        const std::size_t begin = section.find(".It Fl -protocol Ar NAME\n");
-        ASSERT_NE(begin, section.npos);
-        Words listed = words_of(section.substr(begin, section.find("\n.It ", begin + 1) - begin));
-        for (const std::string& protocol : protocols_of(command)) {
-            EXPECT_TRUE(has(listed, protocol)) << command << " " << protocol;
-        }
-    }
-}
-
 TEST(ManualPage, is_set_without_a_warning) {
     if (run_in_shell("groff --version").status != 0) {
         GTEST_SKIP() << "needs groff";

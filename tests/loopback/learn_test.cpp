@@ -62,7 +62,7 @@ TEST_F(Learn, OfARecordingPrintsTheLinesThatRecogniseTheLoss) {
     Program& program = learn(throttle_at(900));
     EXPECT_EQ(program.end(), 0) << program.errors();
     EXPECT_EQ(program.output(), "failsafe_when = [{ channel = 3, below = 950 }]\n");
-    EXPECT_NE(program.errors().find("channel 3 is then 900 us, and 1000 to 2000 us"),
+    EXPECT_NE(program.errors().find("channel 3 is then 900 us, and\n  1000 to 2000 us"),
               std::string::npos)
         << program.errors();
 }

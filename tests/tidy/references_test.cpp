@@ -28,11 +28,12 @@ namespace fs = std::filesystem;
 
 const fs::path kRoot = fs::path(TRIBUS_SOURCE_DIR).lexically_normal();
 
-/// Folders of a build, of tools, and inputs that fuzzing made.
+/// Folders of a build, of tools, published frames with what their sources say, and inputs that
+/// fuzzing made.
 bool is_foreign(const fs::path& folder) {
     const std::string name = folder.filename().string();
     return (name.starts_with(".") && name != ".ci") || name.starts_with("build") ||
-           name == "corpus" || name == "out" || name == "node_modules" ||
+           name == "corpus" || name == "vectors" || name == "out" || name == "node_modules" ||
            fs::exists(folder / "CMakeCache.txt");
 }
 

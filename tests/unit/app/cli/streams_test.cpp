@@ -76,7 +76,8 @@ TEST_F(TextForAPerson, OfAFailureBreaksAtWordsInATerminalAndIsOneLineElsewhere) 
         const StandardError error(terminal_of(20));
         EXPECT_EQ(complain("/dev/ttyUSB0: there is no such device", 1), 1);
     }
-    EXPECT_EQ(shown(), "tribus:\n/dev/ttyUSB0: there\nis no such device\n");
+    const std::string program = ::program_invocation_short_name;
+    EXPECT_EQ(shown(), program + ":\n/dev/ttyUSB0: there\nis no such device\n");
     {
         const StandardError error(file_.get());
         complain("/dev/ttyUSB0: there is no such device; plug it in and say so once more, please",
@@ -84,9 +85,9 @@ TEST_F(TextForAPerson, OfAFailureBreaksAtWordsInATerminalAndIsOneLineElsewhere) 
     }
     std::string line(200, '\0');
     line.resize(static_cast<std::size_t>(::pread(file_.get(), line.data(), line.size(), 0)));
-    EXPECT_EQ(line,
-              "tribus: /dev/ttyUSB0: there is no such device; plug it in and say so once more, "
-              "please\n");
+    EXPECT_EQ(line, program +
+                        ": /dev/ttyUSB0: there is no such device; plug it in and say so once more, "
+                        "please\n");
 }
 
 }  // namespace
