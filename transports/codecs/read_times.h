@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -16,32 +17,35 @@ class ReadTimes {
     /// The bytes before position `end` that were not there before were read at `now`. Does nothing
     /// if there are none.
     void add(std::uint64_t end, Instant now) {
-        if (end != reads_[latest_].end) {
-            latest_ = (latest_ + 1) % reads_.size();
-            reads_[latest_] = {end, now};
+        if (end != end_) {
+            latest_ = (latest_ + 1) % kReads;
+            brought_[latest_] = static_cast<std::uint16_t>(std::min(end - end_, kMostThatMatter));
+            at_[latest_] = now;
+            end_ = end;
         }
     }
     /// When the byte at `position` was read. It must be one of the latest `LineBuffer::kCapacity`
     /// bytes.
     Instant of(std::uint64_t position) const {
         std::size_t read = latest_;
-        for (std::size_t i = 1; i < reads_.size(); ++i) {
-            const std::size_t before = (read + reads_.size() - 1) % reads_.size();
-            if (reads_[before].end <= position) {
-                break;
-            }
-            read = before;
+        std::uint64_t begin = end_ - brought_[read];
+        for (std::size_t i = 1; i < kReads && begin > position; ++i) {
+            read = (read + kReads - 1) % kReads;
+            begin -= brought_[read];
         }
-        return reads_[read].at;
+        return at_[read];
     }
 
   private:
-    struct Read {
-        std::uint64_t end = 0;
-        Instant at{};
-    };
     /// Each read brings at least one byte, so no more reads matter.
-    std::array<Read, LineBuffer::kCapacity> reads_{};
+    static constexpr std::size_t kReads = LineBuffer::kCapacity;
+    /// Of a longer read, only the latest bytes are asked for.
+    static constexpr std::uint64_t kMostThatMatter = 0xFFFF;
+    static_assert(kMostThatMatter >= LineBuffer::kCapacity);
+    // The number of bytes that each read brought takes less memory than its position.
+    std::array<std::uint16_t, kReads> brought_{};
+    std::array<Instant, kReads> at_{};
+    std::uint64_t end_ = 0;
     std::size_t latest_ = 0;
 };
 
