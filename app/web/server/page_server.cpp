@@ -42,7 +42,7 @@ tl::expected<std::unique_ptr<PageServer>, std::string> PageServer::make(
 }
 
 std::vector<int> PageServer::descriptors() const {
-    std::vector<int> descriptors = site_.descriptors();
+    std::vector<int> descriptors = site_.descriptors(servers_.size());
     for (const SocketServer& server : servers_) {
         descriptors.push_back(server.descriptor());
     }

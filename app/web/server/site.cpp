@@ -317,8 +317,10 @@ Site::Reply Site::ask(LineRequest request, FromLine as_answer) {
     return Late([pending] { return pending->answer; });
 }
 
-std::vector<int> Site::descriptors() const {
+std::vector<int> Site::descriptors(std::size_t room) const {
     std::vector<int> descriptors;
+    descriptors.reserve(pending_.size() + watches_.size() + (learning_ ? 1U : 0U) +
+                        (plotting_ ? 1U : 0U) + room);
     for (const auto& pending : pending_) {
         descriptors.push_back(pending->request.descriptor());
     }

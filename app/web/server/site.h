@@ -44,8 +44,8 @@ class Site {
     /// dropped.
     bool answer(SocketClient& client, Instant now);
 
-    /// Readable when `look` has something to do.
-    std::vector<int> descriptors() const;
+    /// Readable when `look` has something to do. There is room for so many more.
+    std::vector<int> descriptors(std::size_t room) const;
     /// When `look` must be called at the latest.
     Instant due() const;
     /// Takes what the daemons said.
