@@ -45,23 +45,28 @@ class InstalledPages : public ::testing::Test {
 };
 
 TEST_F(InstalledPages, are_there) {
-    for (const std::string path :
-         {"/usr/share/man/man1/tribus.1.gz", "/usr/share/man/man5/tribus.toml.5.gz",
-          "/usr/share/man/man8/tribus-web.8.gz", "/usr/share/tribus/page",
-          "/usr/share/man/man8/tribus-mqtt.8.gz", "/usr/lib/systemd/system/tribus-mqtt.service",
-          "/usr/share/doc/tribus/examples/tribus-mqtt.default",
-          "/usr/lib/systemd/system/tribus-web.socket", "/usr/lib/systemd/system/tribus-web.service",
-          "/usr/share/bash-completion/completions/tribus",
-          "/usr/share/bash-completion/completions/tribus-web",
-          "/usr/share/bash-completion/completions/tribus-mqtt",
-          "/usr/share/zsh/vendor-completions/_tribus",
-          "/usr/share/fish/vendor_completions.d/tribus.fish",
-          "/usr/share/fish/vendor_completions.d/tribus-web.fish",
-          "/usr/share/fish/vendor_completions.d/tribus-mqtt.fish",
-          "/usr/share/doc/tribus/README.md", "/usr/share/doc/tribus/CHANGELOG.md",
-          "/usr/share/doc/tribus/docs/README.md", "/usr/share/doc/tribus/docs/configuration.md",
-          "/usr/share/doc/tribus/docs/boards/wiring.md",
-          "/usr/share/doc/tribus/examples/main-job.toml"}) {
+    for (const std::string path : {"/usr/share/man/man1/tribus.1.gz",
+                                   "/usr/share/man/man5/tribus.toml.5.gz",
+                                   "/usr/share/man/man8/tribus-web.8.gz",
+                                   "/usr/share/tribus/page",
+                                   "/usr/share/man/man8/tribus-mqtt.8.gz",
+                                   "/usr/lib/systemd/system/tribus-mqtt.service",
+                                   "/usr/share/doc/tribus/examples/tribus-mqtt.default",
+                                   "/usr/lib/systemd/system/tribus-web.socket",
+                                   "/usr/lib/systemd/system/tribus-web.service",
+                                   "/usr/share/bash-completion/completions/tribus",
+                                   "/usr/share/bash-completion/completions/tribus-web",
+                                   "/usr/share/bash-completion/completions/tribus-mqtt",
+                                   "/usr/share/zsh/vendor-completions/_tribus",
+                                   "/usr/share/fish/vendor_completions.d/tribus.fish",
+                                   "/usr/share/fish/vendor_completions.d/tribus-web.fish",
+                                   "/usr/share/fish/vendor_completions.d/tribus-mqtt.fish",
+                                   "/usr/share/doc/tribus/README.md",
+                                   "/usr/share/doc/tribus/CHANGELOG.md",
+                                   "/usr/share/doc/tribus/docs/README.md",
+                                   "/usr/share/doc/tribus/docs/configuration.md",
+                                   "/usr/share/doc/tribus/docs/boards/wiring.md",
+                                   "/usr/share/doc/tribus/examples/main-job.toml"}) {
         EXPECT_TRUE(has(path)) << path;
     }
     EXPECT_GE(pages().size(), 25U);
