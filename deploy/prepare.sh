@@ -12,7 +12,7 @@ package_packages="dpkg-dev file gzip lintian"
 # Packages that the tests need.
 test_libraries="libgmock-dev libgtest-dev librapidcheck-dev"
 test_packages="$test_libraries apt-utils fish gpg gpg-agent groff-base python3 python3-canmatrix
-    python3-jsonschema sigrok-cli systemd tshark zsh zsh"
+    python3-jsonschema sigrok-cli systemd tshark zsh"
 # Packages that count instructions (tests/bench), on this processor and on an emulated one.
 bench_packages="g++-aarch64-linux-gnu qemu-user strace valgrind"
 # Packages of the laboratory (tests/lab): an emulator, and programs of the host for its guests.
