@@ -11,7 +11,7 @@ build_packages="ca-certificates cmake g++ ninja-build pkg-config $build_librarie
 package_packages="dpkg-dev file gzip lintian"
 # Packages that the tests need.
 test_libraries="libgmock-dev libgtest-dev librapidcheck-dev"
-test_packages="$test_libraries apt-utils fish gpg gpg-agent groff-base python3 python3-canmatrix
+test_packages="$test_libraries apt-utils fish gpg gpg-agent gpgv groff-base python3 python3-canmatrix
     python3-jsonschema sigrok-cli systemd tshark zsh"
 # Packages that count instructions (tests/bench), on this processor and on an emulated one.
 bench_packages="g++-aarch64-linux-gnu qemu-user strace valgrind"

@@ -193,7 +193,11 @@ class EndingSignal : public Failsafe, public testing::WithParamInterface<int> {
             collect();
             return !program.runs();
         }));
-        collect();
+        // What it wrote may still be on its way through the terminal.
+        eventually([&] {
+            collect();
+            return std::ranges::count_if(seen, &SbusSight::failsafe) >= 2;
+        });
         EXPECT_EQ(program.end(), 0);
         EXPECT_TRUE(program.says("stopped"));
         const auto first = std::find_if(seen.begin(), seen.end(),
