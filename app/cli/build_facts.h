@@ -15,10 +15,10 @@ struct BuildFacts {
     std::string_view commit;
 };
 
-/// Of this program. app/build_facts.cmake writes it; only programs have it.
+/// The facts of this program. app/build_facts.cmake writes them; only programs have them.
 BuildFacts build_facts();
 
-/// What `--version` prints. Pure.
+/// Returns the text that `--version` prints. Pure.
 inline std::string version_text(std::string_view program, const BuildFacts& built) {
     std::string text(program);
     text.append(" ").append(built.version).append("\nbuilt with ").append(built.how);

@@ -67,7 +67,7 @@ std::size_t values_of_one(const CommandOption& option) {
     return option.flag() ? 0 : option.count == 0 ? 1 : static_cast<std::size_t>(option.count);
 }
 
-/// Where the cursor stands.
+/// The place of the cursor.
 struct CursorPlace {
     /// The option whose value stands at the cursor.
     const CommandOption* of = nullptr;

@@ -18,7 +18,7 @@ struct OfferedWord {
     std::string meaning{};
 };
 
-/// What the shell adds by itself.
+/// The characters that the shell adds by itself.
 enum class OfferedPaths : unsigned char { none, files, folders };
 
 struct Completion {
