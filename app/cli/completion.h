@@ -18,7 +18,7 @@ struct OfferedWord {
     std::string meaning{};
 };
 
-/// The characters that the shell adds by itself.
+/// The paths that the shell itself offers besides.
 enum class OfferedPaths : unsigned char { none, files, folders };
 
 struct Completion {
