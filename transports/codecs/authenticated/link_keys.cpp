@@ -1,9 +1,9 @@
 #include "transports/codecs/authenticated/link_keys.h"
 
 #include <nettle/hmac.h>
-#include <nettle/memops.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
 namespace tribus::authenticated {
@@ -18,8 +18,17 @@ Mac mac_for(const SecretKey& secret, Purpose purpose, std::string_view link) {
     return mac;
 }
 
+/// Words are compared without a branch, so every wrong MAC takes the same time.
 bool same_mac(std::span<const std::uint8_t> told, const MacBytes& right) {
-    return told.size() == right.size() && memeql_sec(told.data(), right.data(), right.size()) != 0;
+    using Words = std::array<std::uint64_t, 2>;
+    static_assert(sizeof(Words) == sizeof(MacBytes));
+    if (told.size() != right.size()) {
+        return false;
+    }
+    Words told_words{};
+    std::memcpy(told_words.data(), told.data(), sizeof told_words);
+    const auto right_words = std::bit_cast<Words>(right);
+    return ((told_words[0] ^ right_words[0]) | (told_words[1] ^ right_words[1])) == 0;
 }
 
 }  // namespace
