@@ -180,10 +180,7 @@ with_ports=$with_tests
 
 # From the caller, where this script runs in the root of another release.
 SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(commit_seconds)}
-maintainer=$(deploy/debian/maintainer.sh)
-DEBFULLNAME=${maintainer% <*}
-DEBEMAIL=${maintainer##*<}
-DEBEMAIL=${DEBEMAIL%>}
+name_maintainer
 export SOURCE_DATE_EPOCH DEBFULLNAME DEBEMAIL
 # What the programs say of themselves, also where it is built without git (app/build_facts.cmake).
 TRIBUS_COMMIT=${TRIBUS_COMMIT:-$(clean_commit)}

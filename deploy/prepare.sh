@@ -21,7 +21,7 @@ lab_packages="can-utils cpio iproute2 kmod mount qemu-system-data qemu-system-x8
 lab_full_packages="bc evtest gcc-12 libelf1 libsdl2-2.0-0 make mmdebstrap zstd $package_packages"
 lab_service_packages="e2fsprogs genext2fs mmdebstrap $package_packages"
 # Packages that make an apt repository (deploy/repository.sh), and a root that installs from it.
-repository_packages="apt-utils dpkg-dev gpg gpg-agent"
+repository_packages="apt-utils gpg gpg-agent"
 repository_test_packages="mmdebstrap $repository_packages $package_packages"
 # Packages for the laboratory's guests with the processors of boards (tests/lab/prepare_board.sh).
 board_packages="binutils cpio device-tree-compiler kmod mmdebstrap qemu-system-arm"
@@ -34,7 +34,7 @@ as_root() {
     fi
 }
 
-# So long may another program keep apt or dpkg locked, such as the daily upgrade of a machine.
+# Upper limit of the wait for another program that locks apt or dpkg, such as a daily upgrade.
 lock_seconds=600
 
 # update_package_lists: apt waits for the lock of dpkg by itself, but not for that of its lists.
@@ -88,6 +88,14 @@ build() {
     cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release -DTRIBUS_TESTS="$tests" \
         ${CI:+-DTRIBUS_WERROR=ON} >&2
     cmake --build build --parallel "$(compilers)" --target "$@" >&2
+}
+
+# name_maintainer: sets DEBFULLNAME and DEBEMAIL, who answers for the package.
+name_maintainer() {
+    maintainer=$(deploy/debian/maintainer.sh)
+    DEBFULLNAME=${maintainer% <*}
+    DEBEMAIL=${maintainer##*<}
+    DEBEMAIL=${DEBEMAIL%>}
 }
 
 # build_page: unless what is built is newer than its sources. It is the same for all processors.

@@ -38,7 +38,7 @@ lay_out() {
 # package_sh FOLDER OPTION...: prints the path of the package.
 package_sh() (
     cd "$1" && shift &&
-        SOURCE_DATE_EPOCH=$commit_seconds DEBFULLNAME=$name DEBEMAIL=$mail TRIBUS_COMMIT=$commit \
+        SOURCE_DATE_EPOCH=$commit_seconds DEBFULLNAME=$DEBFULLNAME DEBEMAIL=$DEBEMAIL TRIBUS_COMMIT=$commit \
             deploy/package.sh "${package%-*}" --release "${package#*-}" "$@"
 )
 
@@ -159,8 +159,7 @@ done
 install_packages git
 commit=$(git rev-parse HEAD)
 commit_seconds=$(git log -1 --format=%ct)
-name=${DEBFULLNAME:-$(git log -1 --format=%an)}
-mail=${DEBEMAIL:-$(git log -1 --format=%ae)}
+name_maintainer
 version=$(git show HEAD:CMakeLists.txt | sed -n 's/^project(tribus VERSION \([0-9.]*\).*/\1/p')
 results=$place/$version
 done=$place/done/$commit

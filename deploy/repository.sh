@@ -17,8 +17,8 @@ back, delete its file in pool/ and run this again with one that is there.
 new repository gets a new one, without a passphrase, in your keyring: keep a copy of it
 (gpg --export-secret-keys), because boards trust no other.
 
-The same packages and the same key make the same bytes. Exit status: 0; 1 if it failed, with nothing
-changed in FOLDER but new files in pool/; 2 for wrong use."
+The same packages and the same key make the same bytes in a new folder. Exit status: 0; 1 if it
+failed, with nothing changed in FOLDER but new files in pool/; 2 for wrong use."
 
 releases="bookworm trixie"
 processors="amd64 arm64 armhf"
@@ -42,7 +42,8 @@ from_caller() {
     esac
 }
 
-# release_of PACKAGE: that it was made for, by its version (deploy/CMakeLists.txt).
+# release_of PACKAGE: prints the Debian release that it was made for, by its version
+# (deploy/CMakeLists.txt).
 release_of() {
     case $(dpkg-deb -f "$1" Version) in
         *+deb13) echo trixie ;;
@@ -103,14 +104,37 @@ choose_key() {
     fi
 }
 
-# index_release RELEASE: into dists.new/RELEASE, in the current folder.
-index_release() {
+# index_packages RELEASE: into dists.new/RELEASE, in the current folder.
+index_packages() {
     for processor in $processors; do
         index=dists.new/$1/main/binary-$processor
         mkdir -p "$index"
         apt-ftparchive --arch "$processor" packages "pool/$1" >"$index/Packages"
         gzip -9nk "$index/Packages"
     done
+}
+
+# choose_date: sets $seconds, the date of the new index: that of the newest package, or of the key if
+# that is newer, so the same packages give the same bytes. A board keeps an index that is newer than
+# the one it finds, so the date goes on if packages were taken back.
+choose_date() {
+    seconds=$(gpg --batch --with-colons --list-keys "$fingerprint" |
+        sed -n '/^pub:/{p;q}' | cut -d : -f 6)
+    for package in pool/*/*.deb; do
+        newest=$(seconds_of "$package")
+        [ "$newest" -le "$seconds" ] || seconds=$newest
+    done
+    for release in $releases; do
+        [ -e "dists/$release/Release" ] || continue
+        least=$(date --date="$(sed -n 's/^Date: //p' "dists/$release/Release")" +%s)
+        diff -rq --exclude='*Release*' "dists/$release" "dists.new/$release" >/dev/null ||
+            least=$((least + 1))
+        [ "$least" -le "$seconds" ] || seconds=$least
+    done
+}
+
+# sign_release RELEASE
+sign_release() {
     release=$1
     date=$(date --utc --date="@$seconds" '+%a, %d %b %Y %H:%M:%S UTC')
     set --
@@ -118,8 +142,8 @@ index_release() {
         "Architectures=$processors" "Date=$date" "Description=tribus for Debian, $release"; do
         set -- "$@" -o "APT::FTPArchive::Release::$field"
     done
-    apt-ftparchive "$@" release "dists.new/$release" >Release.new
-    mv Release.new "dists.new/$release/Release"
+    apt-ftparchive "$@" release "dists.new/$release" >"$work/Release"
+    cp "$work/Release" "dists.new/$release/Release"
     sign --clearsign InRelease
     sign --detach-sign Release.gpg
 }
@@ -129,17 +153,19 @@ index_release() {
 sign() {
     gpg --batch --quiet --yes --faked-system-time "$seconds!" --digest-algo SHA512 \
         --local-user "$fingerprint" --armor --output "dists.new/$release/$2" "$1" \
-        "dists.new/$release/Release" 2>"$words_of_gpg" || {
-        cat "$words_of_gpg" >&2
+        "dists.new/$release/Release" 2>"$work/gpg" || {
+        cat "$work/gpg" >&2
         fail "gpg cannot sign with $fingerprint"
     }
 }
 
 key=""
 folder=""
-packages=$(mktemp)
-words_of_gpg=$(mktemp)
-trap 'rm -f "$packages" "$words_of_gpg"' EXIT
+work=$(mktemp -d)
+packages=$work/packages
+: >"$packages"
+unfinished=$work
+trap 'rm -rf "$work" "$unfinished"' EXIT
 while [ $# -gt 0 ]; do
     case $1 in
         --help)
@@ -189,23 +215,22 @@ while read -r package; do
     [ -e "$place" ] || cp "$package" "$place"
 done <"$packages"
 
-# As old as the newest package, but no older than the key: so the same packages give the same bytes.
-seconds=$(gpg --batch --with-colons --list-keys "$fingerprint" |
-    sed -n '/^pub:/{p;q}' | cut -d : -f 6)
-for package in "$folder"/pool/*/*.deb; do
-    newest=$(seconds_of "$package")
-    [ "$newest" -le "$seconds" ] || seconds=$newest
-done
 cd "$folder"
+unfinished=$folder/dists.new
 rm -rf dists.new
 for release in $releases; do
-    index_release "$release"
+    index_packages "$release"
 done
-gpg --batch --armor --export "$fingerprint" >$keyring.asc
-gpg --batch --export "$fingerprint" >$keyring.gpg
+choose_date
+for release in $releases; do
+    sign_release "$release"
+done
+gpg --batch --armor --export "$fingerprint" >"$work/$keyring.asc"
+gpg --batch --export "$fingerprint" >"$work/$keyring.gpg"
 rm -rf dists.old
 [ ! -e dists ] || mv dists dists.old
 mv dists.new dists
+cp "$work/$keyring.asc" "$work/$keyring.gpg" .
 rm -rf dists.old
 echo "$folder is signed by $fingerprint. Copy all of it to a web server;" \
     "docs/service.md, \"From a repository\", shows how a board uses it." >&2

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Tries the programs of a package: they start, every example is a valid configuration, and the demo
-# shows frames.
+# Tries the programs of a package: they start, every example is a valid configuration once its key is
+# made, and the demo shows frames.
 #   deploy/try.sh FOLDER      with the package unpacked in it
 set -eu
 tribus=$1/usr/bin/tribus
@@ -8,9 +8,14 @@ tribus=$1/usr/bin/tribus
 "$tribus" --version
 "$1/usr/bin/tribus-web" --version
 "$1/usr/bin/tribus-mqtt" --version
-for example in "$1"/usr/share/doc/tribus/examples/*.toml; do
+examples=$(mktemp -d)
+trap 'rm -r "$examples"' EXIT
+cp "$1"/usr/share/doc/tribus/examples/* "$examples"
+"$tribus" key new "$examples/boat.key" >/dev/null
+sed -i "s#/etc/tribus/keys/#$examples/#" "$examples"/*.toml
+for example in "$examples"/*.toml; do
     "$tribus" check "$example" >/dev/null || {
-        echo "deploy/try.sh: the program refuses $example" >&2
+        echo "deploy/try.sh: the program refuses the example ${example##*/}" >&2
         exit 1
     }
 done

@@ -18,8 +18,9 @@ field() {
 }
 pages=usr/share/doc/$(field Package)
 if [ -e "$unpacked/$pages/CHANGELOG.md" ]; then
-    "$here/changelog.sh" "$unpacked/$pages/CHANGELOG.md" "$(field Version)" "$(field Maintainer)" |
-        gzip -9n >"$unpacked/$pages/changelog.gz"
+    "$here/changelog.sh" "$unpacked/$pages/CHANGELOG.md" "$(field Version)" "$(field Maintainer)" \
+        >"$unpacked/$pages/changelog"
+    gzip -9n "$unpacked/$pages/changelog"
     (cd "$unpacked" && md5sum "$pages/changelog.gz" >>DEBIAN/md5sums)
 fi
 find "$unpacked" -type d -exec chmod 755 {} +

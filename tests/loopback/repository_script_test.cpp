@@ -9,33 +9,40 @@
 namespace tribus::test::repository_script_test {
 namespace {
 
-/// deploy/repository.sh in an empty folder, with an empty keyring.
-Ended repository_script(const std::string& before, const std::string& arguments) {
+/// Runs `commands` in an empty folder, with an empty keyring and `repository`, the script.
+Ended in_empty_folder(const std::string& commands) {
     return run_in_shell(
         "folder=$(mktemp -d); cd \"$folder\"; export GNUPGHOME=\"$folder/gnupg\"; "
-        "mkdir -m 700 gnupg\n" +
-        before + "\nsh '" TRIBUS_SOURCE_DIR "/deploy/repository.sh' " + arguments +
-        "; status=$?; gpgconf --kill all 2>/dev/null; cd /; rm -r \"$folder\"; "
-        "exit $status");
+        "mkdir -m 700 gnupg; repository() { sh '" TRIBUS_SOURCE_DIR
+        "/deploy/repository.sh' \"$@\"; }\n" +
+        commands +
+        "\nstatus=$?; gpgconf --kill all 2>/dev/null; cd /; rm -r \"$folder\"; exit $status");
 }
 
-/// Makes FILE, a package of these fields.
+Ended repository_script(const std::string& before, const std::string& arguments) {
+    return in_empty_folder(before + "\nrepository " + arguments);
+}
+
+/// Makes FILE, a package of these fields, with a file of that date.
 std::string make_package(const std::string& file, const std::string& name,
-                         const std::string& version, const std::string& processor = "amd64") {
+                         const std::string& version, const std::string& processor = "amd64",
+                         const std::string& date = "2026-11-01") {
     return "mkdir -p d/DEBIAN d/usr/bin; chmod 755 d/DEBIAN; echo " + version +
-           " >d/usr/bin/one; printf 'Package: " + name + "\nVersion: " + version +
+           " >d/usr/bin/one; find d/usr -exec touch -d '" + date +
+           " UTC' {} +; printf 'Package: " + name + "\nVersion: " + version +
            "\nArchitecture: " + processor +
            "\nMaintainer: A B <a@b.c>\nDescription: one\n' >d/DEBIAN/control; "
-           "dpkg-deb --root-owner-group -b d " +
-           file + " >/dev/null; ";
+           "SOURCE_DATE_EPOCH=$(date -d '" +
+           date + " UTC' +%s) dpkg-deb --root-owner-group -b d " + file + " >/dev/null; ";
 }
 
 class RepositoryScript : public testing::Test {
   protected:
     void SetUp() override {
-        if (run_in_shell("dpkg-deb --version; gpg --version && apt-ftparchive --version").status !=
-            0) {
-            GTEST_SKIP() << "needs gpg and apt-ftparchive (apt-utils)";
+        if (run_in_shell("dpkg-deb --version && gpg --version && gpgv --version && "
+                         "command -v gpg-agent && apt-ftparchive --version")
+                .status != 0) {
+            GTEST_SKIP() << "needs gpg, gpg-agent, gpgv and apt-ftparchive (apt-utils)";
         }
     }
 };
@@ -69,19 +76,19 @@ TEST_F(RepositoryScript, SaysWhatIsMissing) {
 }
 
 TEST_F(RepositoryScript, MakesTheSameBytesOfTheSamePackagesAndTakesNewerOnes) {
-    const std::string again = "sh '" TRIBUS_SOURCE_DIR "/deploy/repository.sh' ";
-    const Ended ended = repository_script(
+    const Ended ended = in_empty_folder(
         make_package("tribus_1_amd64.deb", "tribus", "1") + "cp tribus_1_amd64.deb old.deb; " +
-            make_package("tribus_1+deb13_arm64.deb", "tribus", "1+deb13", "arm64") + again +
-            "first tribus_1_amd64.deb tribus_1+deb13_arm64.deb && cp -r first second && " + again +
-            "second second/pool/bookworm/tribus_1_amd64.deb && diff -r first second && echo "
-            "same; " +
-            make_package("tribus_2_amd64.deb", "tribus", "2") + again +
-            "first tribus_2_amd64.deb && grep -h ^Version first/dists/*/main/*/Packages && "
-            "gpgv --keyring ./first/tribus-archive-keyring.gpg first/dists/trixie/InRelease && "
-            "sed -n 's/^Architectures/&/p' first/dists/bookworm/Release; " +
-            make_package("tribus_1_amd64.deb", "tribus", "1+changed"),
-        "first tribus_1_amd64.deb");
+        make_package("tribus_1+deb13_arm64.deb", "tribus", "1+deb13", "arm64") +
+        "repository first tribus_1_amd64.deb tribus_1+deb13_arm64.deb && cp -r first second && "
+        "repository second second/pool/bookworm/tribus_1_amd64.deb && diff -r first second && "
+        "echo same; " +
+        make_package("tribus_2_amd64.deb", "tribus", "2") +
+        "repository first tribus_2_amd64.deb && "
+        "grep -h ^Version first/dists/*/main/*/Packages && "
+        "gpgv --keyring ./first/tribus-archive-keyring.gpg first/dists/trixie/InRelease && "
+        "sed -n 's/^Architectures/&/p' first/dists/bookworm/Release; " +
+        make_package("tribus_1_amd64.deb", "tribus", "1+changed") +
+        "repository first tribus_1_amd64.deb");
     const std::string& said = ended.output;
     EXPECT_NE(said.find("same\n"), std::string::npos) << said;
     EXPECT_NE(said.find("Version: 1\nVersion: 2\nVersion: 1+deb13\n"), std::string::npos) << said;
@@ -94,12 +101,46 @@ TEST_F(RepositoryScript, MakesTheSameBytesOfTheSamePackagesAndTakesNewerOnes) {
         << said;
 }
 
+/// Otherwise boards keep the index that names the package.
+TEST_F(RepositoryScript, HasALaterDateWhenAPackageIsTakenBack) {
+    const std::string date =
+        "$(date +%s --date=\"$(sed -n 's/^Date: //p' new/dists/bookworm/Release)\")";
+    const Ended ended = in_empty_folder(
+        make_package("tribus_1_amd64.deb", "tribus", "1") +
+        make_package("tribus_2_amd64.deb", "tribus", "2", "amd64", "2100-01-01") +
+        "repository new tribus_1_amd64.deb tribus_2_amd64.deb; echo first " + date +
+        "; rm new/pool/bookworm/tribus_2_amd64.deb; repository new tribus_1_amd64.deb; "
+        "echo then " +
+        date);
+    EXPECT_NE(ended.output.find("first 4102444800\n"), std::string::npos) << ended.output;
+    EXPECT_NE(ended.output.find("then 4102444801\n"), std::string::npos) << ended.output;
+}
+
+TEST_F(RepositoryScript, LeavesTheRepositoryAsItWasIfItCannotSign) {
+    const Ended ended =
+        in_empty_folder(make_package("tribus_1_amd64.deb", "tribus", "1") +
+                        make_package("tribus_2_amd64.deb", "tribus", "2") +
+                        "repository new tribus_1_amd64.deb; cp -r new before; mkdir programs\n"
+                        "cat >programs/gpg <<END\n"
+                        "#!/bin/sh\n"
+                        "case \"\\$*\" in *--detach-sign*) exit 2 ;; esac\n"
+                        "exec $(command -v gpg) \"\\$@\"\n"
+                        "END\n"
+                        "chmod +x programs/gpg\n"
+                        "PATH=$PWD/programs:$PATH repository new tribus_2_amd64.deb && exit 9\n"
+                        "rm new/pool/bookworm/tribus_2_amd64.deb\n"
+                        "diff -r before new && echo as it was");
+    EXPECT_NE(ended.output.find("deploy/repository.sh: gpg cannot sign with "), std::string::npos)
+        << ended.output;
+    EXPECT_NE(ended.output.find("as it was\n"), std::string::npos) << ended.output;
+}
+
 TEST_F(RepositoryScript, KeepsItsKeyAndSaysWhereThatIsMissing) {
-    const Ended ended = repository_script(make_package("tribus_1_amd64.deb", "tribus", "1") +
-                                              "sh '" TRIBUS_SOURCE_DIR
-                                              "/deploy/repository.sh' new tribus_1_amd64.deb; "
-                                              "gpgconf --kill all; rm -r gnupg; mkdir -m 700 gnupg",
-                                          "new tribus_1_amd64.deb");
+    const Ended ended =
+        repository_script(make_package("tribus_1_amd64.deb", "tribus", "1") +
+                              "repository new tribus_1_amd64.deb; gpgconf --kill all; rm -r "
+                              "gnupg; mkdir -m 700 gnupg",
+                          "new tribus_1_amd64.deb");
     EXPECT_EQ(ended.status, 1);
     EXPECT_NE(ended.output.find("whose secret part your keyring does not have: gpg --import it, or "
                                 "name another by --key\n"),

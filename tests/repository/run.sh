@@ -85,9 +85,12 @@ test "\$(dpkg-query -W -f '\${Version}' tribus)" = "$version"
 tribus --version
 id tribus
 getent group gpio uinput
+install -d /etc/tribus/keys
+tribus key new /etc/tribus/keys/boat.key
 for file in /usr/share/doc/tribus/examples/*.toml; do
     tribus check "\$file" >/dev/null
 done
+rm -r /etc/tribus/keys
 tribus demo --seconds 3 || tribus demo --seconds 3 || tribus demo --seconds 3
 END
     expect "tribus"
@@ -158,7 +161,7 @@ refuse_what_was_changed() {
     rm -rf "$work/good"
     cp -a "$work/tribus" "$work/good"
     file=$(find "$work/tribus/pool/$release" -name 'tribus_99*')
-    printf x | dd of="$file" bs=1 seek=4000 conv=notrunc 2>/dev/null
+    printf 'other bytes' | dd of="$file" bs=1 seek=4000 conv=notrunc 2>/dev/null
     refused "a package that was changed" "Hash Sum mismatch"
     index=$work/tribus/dists/$release/main/binary-$own/Packages
     sed -i 's/^Version: 99/Version: 98/' "$index"
