@@ -48,7 +48,7 @@ function(read_commit result)
         endif()
     endif()
     string(REGEX REPLACE "^([0-9a-f]+)-changed$" "\\1 with changes" commit "${commit}")
-    # As many digits as no repository needs more of.
+    # 12 digits are enough for any repository.
     string(REGEX REPLACE "^([0-9a-f]...........)[0-9a-f]*" "\\1" commit "${commit}")
     set(${result} "${commit}" PARENT_SCOPE)
 endfunction()

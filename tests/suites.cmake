@@ -9,7 +9,7 @@ set(costly Frames/CodecCounts Usual/RecordedLineAtAPort Usual/LineJudgeAtAPort N
     IbusBesidePlain OpenEpoch Seeds/Canmatrix)
 # Suites that wait for real time. All others compute: they leave the processors to whoever waits, and
 # some more of them than there are processors run at a time, so that tests that wait run beside them.
-set(waiting "StateLog.*|LivePageExamples")
+set(waiting "StateLog.*|SensorBusLogAtAWire|LivePageExamples")
 math(EXPR at_a_time "${processors} + 2")
 set(computed 0)
 set(leaving_processors chrt --idle 0)

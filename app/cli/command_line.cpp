@@ -4,8 +4,6 @@
 #include <cstddef>
 #include <cstdio>
 #include <exception>
-#include <memory>
-#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -165,7 +163,7 @@ int run_words(const std::function<Program()>& make_program, const BuildFacts& bu
         return kExitFine;
     }
     const auto run = read_command_line(program, built, argc, argv);
-    // The daemon runs for months and locks its memory; these were a quarter of a megabyte.
+    // The descriptions take a quarter of a megabyte, and the daemon locks its memory.
     program = {};
     return run ? (*run)() : run.error();
 }

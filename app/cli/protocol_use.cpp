@@ -13,6 +13,7 @@
 #include "config/keys/words.h"
 #include "config/language/document.h"
 #include "config/language/mistakes.h"
+#include "config/language/numbers.h"
 #include "config/language/parse_toml.h"
 #include "config/language/protocol_words.h"
 #include "config/read/value.h"
@@ -33,16 +34,20 @@ Value as_value(const Setting& setting, std::string_view text) {
     const bool bare = setting.type == SettingType::boolean ||
                       setting.type == SettingType::integer || setting.type == SettingType::number ||
                       setting.type == SettingType::pulse;
+    Value value{.where = {}, .content = std::string(text)};
+    if (bare) {
+        return value_in_text(value).value_or(value);
+    }
     const bool table = (setting.type == SettingType::scale || setting.type == SettingType::tree) &&
                        text.starts_with('{');
-    if (bare || table) {
+    if (table) {
         const auto document = parse_toml(fmt::format("value = {}", text));
         const Entry* const entry = document ? document->find("value") : nullptr;
         if (entry != nullptr) {
             return entry->value;
         }
     }
-    return {.where = {}, .content = std::string(text)};
+    return value;
 }
 
 bool applies(const Setting& setting, SettingScope direction) {

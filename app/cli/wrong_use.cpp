@@ -112,7 +112,9 @@ std::string wrong_count(const CommandOption& option, std::size_t times) {
     if (times > 1 && option.count == 0) {
         return option.name + " is given several times; allowed: once";
     }
-    return fmt::format("{} needs a value: {}", option.name, value_text(option));
+    const std::string values =
+        option.count > 1 ? fmt::format("{} values", option.count) : "a value";
+    return fmt::format("{} needs {}: {}", option.name, values, value_text(option));
 }
 
 std::string mistake_in_value(const CommandOption& option, const std::string& text) {

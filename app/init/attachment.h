@@ -68,7 +68,7 @@ struct Attachment {
 };
 
 /// Decision about a place: the attachment, or why it is refused, and findings for the user. Those
-/// of a refusal do not name the place, because who tells the refusal does.
+/// of a refusal do not name the place: the caller names it.
 struct Decision {
     tl::expected<Attachment, std::string> attachment;
     std::vector<doctor::Finding> findings;

@@ -116,8 +116,8 @@ void SensorBusLog::log_found(const Memory& memory, std::size_t address, const Fo
         return;
     }
     log_warning(
-        "sensor bus {}: address {} is {}, but says that its values have {}, where that type has "
-        "{}; a [sensor_type] of your own with that id and size says what they mean{}",
+        "sensor bus {}: address {} is {}, but reports values of {}, where that type has "
+        "{}; a [sensor_type] of your own with that id and size defines them{}",
         memory.name, address, type_name(memory, found.type), counted(found.size, "byte"),
         type->size, note);
 }
@@ -137,25 +137,28 @@ void SensorBusLog::look_at_fault(const SensorBusState& state, std::size_t addres
     switch (fault.kind) {
         case SensorFault::Kind::no_type:
             log_warning(
-                "sensor bus {}: a sensor at address {} answers, but never tells its type; neither "
+                "sensor bus {}: a sensor at address {} answers, but never reports its type; "
+                "neither "
                 "it nor a sensor at a higher address is read. Are there two sensors at this "
                 "address, or is this no i.Bus sensor?{}",
                 memory.name, address, note);
             break;
         case SensorFault::Kind::wrong_size:
             log_warning(
-                "sensor bus {}: the values of address {} have {}, but the sensor said {} with its "
+                "sensor bus {}: the values of address {} have {}, but the sensor reported {} with "
+                "its "
                 "type; they are not read{}",
                 memory.name, address, counted(fault.sent_size, "byte"),
                 is_found ? state.found[address - 1].size : 0, note);
             break;
         case SensorFault::Kind::none:
             if (before.kind == SensorFault::Kind::wrong_size && is_found) {
-                log_info("sensor bus {}: the values of address {} have {} again, as it said{}",
+                log_info("sensor bus {}: the values of address {} have {} again, as it reported{}",
                          memory.name, address, counted(state.found[address - 1].size, "byte"),
                          note);
             } else if (before.kind == SensorFault::Kind::no_type && !is_found) {
-                log_info("sensor bus {}: address {} answers no more{}", memory.name, address, note);
+                log_info("sensor bus {}: address {} no longer answers{}", memory.name, address,
+                         note);
             }
             break;
     }
@@ -199,7 +202,7 @@ void SensorBusLog::look(const Appliance& appliance, Instant now) {
         const LogFields fields({"TRIBUS_SENSOR_BUS", buses_[i].name});
         const Station bus{.kind = StationKind::sensor_bus, .index = i};
         if (!appliance.port_present(port_of(appliance, bus))) {
-            // Nothing can come before the device is there, and that is said of the device.
+            // Nothing can come before the device is there. Another message says that it is missing.
             buses_[i].start = now;
         }
         if (state.is_receiver) {

@@ -299,7 +299,7 @@ void StateLog::look(Appliance& appliance, Instant now) {
             log_missing_signal(configuration.inputs[i].name, status, appliance.ports()[port],
                                inputs_[i], now);
         } else {
-            // Nothing can come before the device is there, and that is said of the device.
+            // Nothing can come before the device is there. Another message says that it is missing.
             inputs_[i].start = now;
         }
     }

@@ -1,6 +1,5 @@
 #include "app/status/sensor_bus_json.h"
 
-#include <array>
 #include <chrono>
 #include <cstddef>
 #include <string_view>
@@ -26,14 +25,25 @@ OrderedJson found_sensors(const SensorBusState& state, const SensorTypes& types)
     return json;
 }
 
+std::string_view word_of(SensorFault::Kind fault) {
+    switch (fault) {
+        case SensorFault::Kind::none:
+            break;
+        case SensorFault::Kind::no_type:
+            return "no_type";
+        case SensorFault::Kind::wrong_size:
+            return "wrong_size";
+    }
+    return "none";
+}
+
 OrderedJson sensor_faults(const SensorBusState& state) {
-    constexpr std::array<std::string_view, 3> kFaults{"", "no_type", "wrong_size"};
     OrderedJson json = OrderedJson::array();
     for (std::size_t i = 0; i < state.faults.size(); ++i) {
         const SensorFault& fault = state.faults[i];
         if (fault.kind != SensorFault::Kind::none) {
             json.push_back({{"address", i + 1},
-                            {"fault", kFaults[static_cast<std::size_t>(fault.kind)]},
+                            {"fault", word_of(fault.kind)},
                             {"sent_bytes",
                              fault.sent_size == 0 ? OrderedJson() : OrderedJson(fault.sent_size)}});
         }

@@ -164,13 +164,14 @@ std::optional<LongTable> long_table_in(const Lines& lines, std::size_t line) {
 }
 
 /// The header of the table that the line belongs to, without its brackets. Empty if there is none,
-/// or if it is a list.
+/// if it is a list, or if it could not be read.
 std::string_view table_of_line(const Lines& lines, std::size_t line) {
     while (line > 0 && !is_header(lines[line])) {
         --line;
     }
     const std::string_view header = trimmed(lines[line]);
-    const bool table = header.starts_with('[') && !header.starts_with("[[");
+    const bool table = header.starts_with('[') && !header.starts_with("[[") &&
+                       header.find(kLostTable) == std::string_view::npos;
     return table ? header.substr(1, header.find(']') - 1) : std::string_view{};
 }
 

@@ -30,7 +30,7 @@ std::optional<NumberRepair> repaired_number(std::string_view word) {
     const bool has_sign = word.starts_with('-') || word.starts_with('+');
     const std::string sign(word.substr(0, has_sign ? 1 : 0));
     const std::string_view number = word.substr(sign.size());
-    if (has_large_prefix(number)) {
+    if (has_large_prefix(number) && !has_sign) {
         std::string small(number);
         small[1] = static_cast<char>(std::tolower(static_cast<unsigned char>(small[1])));
         return NumberRepair{std::move(small), "0x, 0o and 0b have small letters"};
@@ -79,7 +79,7 @@ std::string bare_text(const Value& value) {
     return repair ? repair->number : text;
 }
 
-std::string_view without_quotes(const Value& value) {
+std::string_view without_quotes_hint(const Value& value) {
     const auto* list = value.as<List>();
     const bool quotes = list == nullptr ? value_in_text(value).has_value()
                                         : std::ranges::any_of(list->items, [](const Value& item) {

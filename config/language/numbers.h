@@ -14,8 +14,8 @@ struct NumberRepair {
     std::string_view rule;  ///< "a number does not begin with 0"
 };
 
-/// The number that a word means which is none in TOML: "0115200", ".3", "5.", "0X300". `nullopt`
-/// for others. Pure.
+/// The valid number that is meant by a word that TOML refuses: "0115200", ".3", "5.", "0X300".
+/// `nullopt` for other words. Pure.
 std::optional<NumberRepair> repaired_number(std::string_view word);
 
 /// The number, `true` or `false` that a text consists of. `nullopt` if it is another text. Pure.
@@ -26,6 +26,6 @@ std::string bare_text(const Value& value);
 
 /// For a message about a value of the wrong type: ", without quotes" if it is such a text, or a
 /// list that has one.
-std::string_view without_quotes(const Value& value);
+std::string_view without_quotes_hint(const Value& value);
 
 }  // namespace tribus

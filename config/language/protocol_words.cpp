@@ -84,6 +84,15 @@ constexpr std::array kProtocolWords{
     ProtocolWord{"fbus", {"sbus"}},
 };
 
+std::string joined_by_or(std::span<const std::string_view> names) {
+    const std::string last = in_quotes(names.back());
+    return names.size() == 1
+               ? last
+               : fmt::format("{} or {}", in_quotes_all(names.first(names.size() - 1)), last);
+}
+
+}  // namespace
+
 std::string small_letters_and_digits(std::string_view text) {
     std::string plain;
     for (const char c : text) {
@@ -93,15 +102,6 @@ std::string small_letters_and_digits(std::string_view text) {
     }
     return plain;
 }
-
-std::string joined_by_or(std::span<const std::string_view> names) {
-    const std::string last = in_quotes(names.back());
-    return names.size() == 1
-               ? last
-               : fmt::format("{} or {}", in_quotes_all(names.first(names.size() - 1)), last);
-}
-
-}  // namespace
 
 std::span<const ProtocolWord> protocol_words() {
     return kProtocolWords;

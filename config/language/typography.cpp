@@ -228,8 +228,11 @@ class PlainCharacters {
 
 std::string_view with_plain_characters(std::string_view text, std::string& converted,
                                        Mistakes& mistakes) {
-    const auto is_ascii = [](char c) { return static_cast<unsigned char>(c) < 0x80; };
-    if (std::ranges::all_of(text, is_ascii)) {
+    const auto is_usual = [](char c) {
+        const auto byte = static_cast<unsigned char>(c);
+        return byte < 0x80 && byte != '`' && byte != '\v' && byte != '\f';
+    };
+    if (std::ranges::all_of(text, is_usual)) {
         return text;
     }
     converted = PlainCharacters(text).write(mistakes);

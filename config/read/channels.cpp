@@ -36,7 +36,7 @@ Mix read_mix(const Value& value, Mistakes& mistakes) {
                          fmt::format("the weight of channel {} is {}; allowed: a number from {} "
                                      "to {}{}",
                                      entry.key, describe(entry.value), format_number(-kMostWeight),
-                                     format_number(kMostWeight), without_quotes(entry.value)));
+                                     format_number(kMostWeight), without_quotes_hint(entry.value)));
         } else {
             mix.terms.push_back({*channel, *weight});
         }
@@ -170,12 +170,12 @@ std::optional<ChannelRule> read_channel(const Entry& entry, Draft* draft, Readin
         rule.source = FromChannel{static_cast<std::size_t>(*number - 1)};
         return rule;
     }
-    reading.mistakes.add(
-        entry.value.where,
-        fmt::format("channel {} is {}; allowed: the number of an input channel "
-                    "from 1 to {}{}, or a table such as {{ from = 1, reverse = "
-                    "true }}",
-                    entry.key, describe(entry.value), kChannelCount, without_quotes(entry.value)));
+    reading.mistakes.add(entry.value.where,
+                         fmt::format("channel {} is {}; allowed: the number of an input channel "
+                                     "from 1 to {}{}, or a table such as {{ from = 1, reverse = "
+                                     "true }}",
+                                     entry.key, describe(entry.value), kChannelCount,
+                                     without_quotes_hint(entry.value)));
     return std::nullopt;
 }
 

@@ -32,7 +32,7 @@ const Protocol* meant_protocol(const Table& table, std::span<const Key> keys, Se
         if (const Protocol* protocol = find_protocol(*name)) {
             return protocol->goes(way) ? protocol : nullptr;
         }
-        // A table of somebody who thinks of a maker may have other keys than the protocol.
+        // A maker's name may mean another protocol, so its keys are not judged.
         const auto names = protocol_names(way);
         const auto near = nearest(*name, names);
         const auto meant = protocols_meant(*name, names);
@@ -131,9 +131,12 @@ Location where_of(const std::vector<std::string>& path, const TableContent& cont
 void add_found(const std::vector<SettingMistake>& found, const TableContent& content,
                Mistakes& mistakes) {
     for (const SettingMistake& mistake : found) {
-        const Value* value = value_at(mistake.path, content);
-        mistakes.add(where_of(mistake.path, content),
-                     mistake.text + std::string(value == nullptr ? "" : without_quotes(*value)));
+        // The types of values inside of a tree were not checked before.
+        const bool in_tree = mistake.path.size() > 1;
+        const Value* value = in_tree ? value_at(mistake.path, content) : nullptr;
+        mistakes.add(
+            where_of(mistake.path, content),
+            mistake.text + std::string(value == nullptr ? "" : without_quotes_hint(*value)));
     }
 }
 

@@ -54,7 +54,7 @@ std::optional<Pair> read_pair(const Table& table, Location where, std::string_vi
         entry->value.where,
         fmt::format("{} is not a list of two different {}numbers from {} to {}{}; example: {}",
                     in_quotes(name), name == "raw" ? "whole " : "", format_number(least),
-                    format_number(most), without_quotes(entry->value), kExample));
+                    format_number(most), without_quotes_hint(entry->value), kExample));
     return std::nullopt;
 }
 
@@ -88,7 +88,7 @@ std::optional<TwoPoints> read_scale(std::string_view key, const Value& value, Mi
         mistakes.add(
             raw_falls ? raw->where : us->where,
             fmt::format("{0} is [{1}, {2}], the higher number first, unlike {3}; write "
-                        "{4} = [{2}, {1}]. A channel is turned round by reverse = true",
+                        "{4} = [{2}, {1}]. To reverse a channel, write reverse = true",
                         in_quotes(name), format_number(falling[0]), format_number(falling[1]),
                         in_quotes(raw_falls ? "us" : "raw"), name));
         return std::nullopt;

@@ -70,18 +70,17 @@ void report_other_place(const TableRef& ref, const Entry& entry, const Key& plac
 void report_unknown(const TableRef& ref, const Entry& entry, std::span<const Key> keys,
                     Mistakes& mistakes) {
     const auto names = names_of(keys);
+    const std::string unknown =
+        fmt::format("unknown {} {} in {}; ", entry.value.as<Table>() == nullptr ? "key" : "table",
+                    in_quotes(entry.key), ref.title);
     if (const auto hint = hint_for_key(entry, ref, keys)) {
-        mistakes.add(entry.where, fmt::format("unknown key {} in {}; {}", in_quotes(entry.key),
-                                              ref.title, *hint));
+        mistakes.add(entry.where, unknown + *hint);
         return;
     }
     const std::string home =
         nearest(entry.key, names) ? "" : home_of_key(entry.key, ref.side, ref.protocol);
-    mistakes.add(entry.where, fmt::format("unknown {} {} in {}; {}{}",
-                                          entry.value.as<Table>() == nullptr ? "key" : "table",
-                                          in_quotes(entry.key), ref.title,
-                                          home.empty() ? "" : "it belongs in " + home + "; ",
-                                          suggestion(entry.key, names)));
+    mistakes.add(entry.where, unknown + (home.empty() ? "" : "it belongs in " + home + "; ") +
+                                  suggestion(entry.key, names));
 }
 
 /// Assigns entries to keys. An entry with a misspelt name counts as the key that was meant, so that

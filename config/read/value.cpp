@@ -192,7 +192,8 @@ std::string what_to_write(const Key& key, const Value& value) {
     if (inside && read_plain(setting, *inside)) {
         return fmt::format("leave the quotes out: {} = {}", setting.key, bare_text(value));
     }
-    return "allowed: " + allowed_values(key) + std::string(quoted ? "" : without_quotes(value)) +
+    return "allowed: " + allowed_values(key) +
+           std::string(quoted ? "" : without_quotes_hint(value)) +
            (text != nullptr && has_control_characters(*text)
                 ? without_control_characters_hint(*text)
                 : "");

@@ -14,8 +14,8 @@ constexpr std::uint8_t kPowerUpByte = 0xF0;
 /// The sizes of nearly all sensors.
 constexpr std::uint8_t kShortValue = 2;
 constexpr std::uint8_t kLongValue = 4;
-/// A sensor without a type that was asked so often in vain whether it is there is gone. Behind
-/// other sensors it is asked each half second only.
+/// A sensor that never reported its type is gone after this many discover requests without an
+/// answer. If other sensors are before it, it gets one each half second only.
 constexpr int kGoneAfter = 8;
 /// Longer values do not fit into a raw value.
 constexpr std::size_t kLongestRaw = 4;

@@ -10,7 +10,7 @@
 #include "tests/support/vectors.h"
 #include "transports/codecs/authenticated/link_keys.h"
 
-/// The examples of RFC 4493 (further/aes_cmac.json).
+/// The examples of RFC 4493 (tests/vectors/aes_cmac.json).
 namespace tribus::aes_cmac_vectors_test {
 namespace {
 

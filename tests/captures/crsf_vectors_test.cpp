@@ -10,7 +10,8 @@
 #include "tests/support/vectors.h"
 #include "transports/codecs/crsf/crsf.h"
 
-/// Frames of receivers, of the unit tests of other programs, and wrong ones (further/crsf.json).
+/// Frames of receivers, of the unit tests of other programs, and wrong ones
+/// (tests/vectors/crsf.json).
 namespace tribus::crsf_vectors_test {
 namespace {
 

@@ -12,7 +12,7 @@
 #include "tests/support/vectors.h"
 #include "transports/codecs/dsm/dsm.h"
 
-/// Frames of satellite receivers, mostly of ArduPilot's tests (further/dsm.json).
+/// Frames of satellite receivers, mostly of ArduPilot's tests (tests/vectors/dsm.json).
 namespace tribus::dsm_vectors_test {
 namespace {
 

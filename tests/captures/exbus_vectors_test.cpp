@@ -9,7 +9,7 @@
 #include "tests/support/vectors.h"
 #include "transports/codecs/exbus/exbus.h"
 
-/// The examples of Jeti's text (further/jeti_exbus.json).
+/// The examples of Jeti's text (tests/vectors/jeti_exbus.json).
 namespace tribus::exbus_vectors_test {
 namespace {
 

@@ -11,7 +11,7 @@
 #include "tests/support/vectors.h"
 #include "transports/codecs/fport/fport.h"
 
-/// Frames of the tests of ArduPilot (further/fport.json).
+/// Frames of the tests of ArduPilot (tests/vectors/fport.json).
 namespace tribus::fport_vectors_test {
 namespace {
 

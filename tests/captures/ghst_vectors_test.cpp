@@ -9,7 +9,8 @@
 #include "tests/support/vectors.h"
 #include "transports/codecs/ghst/ghst.h"
 
-/// Frames of the unit tests of other programs, computed ones, and wrong ones (further/ghst.json).
+/// Frames of the unit tests of other programs, computed ones, and wrong ones
+/// (tests/vectors/ghst.json).
 namespace tribus::ghst_vectors_test {
 namespace {
 

@@ -11,7 +11,8 @@
 #include "tests/support/vectors.h"
 #include "transports/codecs/ibus2/ibus2.h"
 
-/// Frames of a FTr8B (further/ibus2.json). It has no key; the one here is what the captures show.
+/// Frames of a FTr8B (tests/vectors/ibus2.json). It has no key; the one here is what the captures
+/// show.
 namespace tribus::ibus2_vectors_test {
 namespace {
 

@@ -9,7 +9,7 @@
 #include "tests/support/vectors.h"
 #include "transports/codecs/ppm/ppm.h"
 
-/// The edges of a frame with the times of each one (further/ppm.json).
+/// The edges of a frame with the times of each one (tests/vectors/ppm.json).
 namespace tribus::ppm_vectors_test {
 namespace {
 

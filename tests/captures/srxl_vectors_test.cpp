@@ -11,7 +11,7 @@
 #include "tests/support/vectors.h"
 #include "transports/codecs/srxl/srxl.h"
 
-/// A frame of a receiver, and computed ones (further/srxl.json).
+/// A frame of a receiver, and computed ones (tests/vectors/srxl.json).
 namespace tribus::srxl_vectors_test {
 namespace {
 

@@ -24,8 +24,10 @@ class BuildFacts : public testing::Test {
     }
 
     std::string here(const std::string& command) const {
-        return run_in_shell("unset TRIBUS_COMMIT; export GIT_CONFIG_GLOBAL=/dev/null; cd '" +
-                            folder_.path().string() + "'; " + command)
+        return run_in_shell(
+                   "unset TRIBUS_COMMIT $(git rev-parse --local-env-vars); "
+                   "export GIT_CONFIG_GLOBAL=/dev/null GIT_CONFIG_NOSYSTEM=1; cd '" +
+                   folder_.path().string() + "'; " + command)
             .output;
     }
     /// What is written for the sources in that folder.

@@ -19,10 +19,6 @@ const std::string kPage = "docs/service.md";
 constexpr const char* kUnit = "tribus@servos.service";
 constexpr const char* kBridge = "tribus-mqtt.service";
 
-std::string source_text(const std::string& file) {
-    return text_of_file(std::filesystem::path(TRIBUS_SOURCE_DIR) / file);
-}
-
 /// The drop-in of a section: all blocks of code in it that are unit files.
 std::string drop_in(const std::string& heading) {
     const std::string page = source_text(kPage);

@@ -1,13 +1,13 @@
 #include <algorithm>
 #include <fstream>
 #include <set>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "tests/loopback/loopback.h"
+#include "tests/support/program_help.h"
 #include "tests/support/shell.h"
 
 /// Standard output that cannot be written, for every command that has results.
@@ -124,19 +124,6 @@ TEST_P(FullOutput, EndsWithOneAndSaysSoInOneLine) {
 INSTANTIATE_TEST_SUITE_P(OfEach, FullOutput, testing::ValuesIn(kWrites),
                          [](const auto& writes) { return writes.param.name; });
 
-/// The commands that the help of a program lists.
-std::vector<std::string> commands_of(const std::string& program) {
-    const std::string help = run_in_shell(program + " --help").output;
-    std::istringstream lines(help.substr(help.find("Commands:\n") + 10));
-    std::vector<std::string> names;
-    for (std::string line; std::getline(lines, line) && !line.empty();) {
-        if (line.starts_with("  ") && line[2] != ' ') {
-            names.push_back(line.substr(2, line.find(' ', 2) - 2));
-        }
-    }
-    return names;
-}
-
 TEST(FullOutputTable, HasEveryCommandThatHasResults) {
     const auto check = [](const std::string& variable, const std::string& program,
                           const std::set<std::string>& without) {
@@ -149,9 +136,9 @@ TEST(FullOutputTable, HasEveryCommandThatHasResults) {
             EXPECT_NE(tried, without.contains(command)) << program << " " << command;
         }
     };
-    check("\"$TRIBUS\"", "'" TRIBUS_PROGRAM "'", kWithoutResults);
-    check("\"$W\"", "'" TRIBUS_WEB "'", kWithoutResultsBeside);
-    check("\"$M\"", "'" TRIBUS_MQTT "'", kWithoutResultsBeside);
+    check("\"$TRIBUS\"", TRIBUS_PROGRAM, kWithoutResults);
+    check("\"$W\"", TRIBUS_WEB, kWithoutResultsBeside);
+    check("\"$M\"", TRIBUS_MQTT, kWithoutResultsBeside);
 }
 
 /// A file that is opened later must not take the place of a closed standard output.

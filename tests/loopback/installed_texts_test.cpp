@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/pages.h"
+#include "tests/support/program_help.h"
 #include "tests/support/shell.h"
 #include "tests/support/temporary_folder.h"
 
@@ -44,32 +45,18 @@ Words offered(const std::string& line, const std::string& program = TRIBUS_PROGR
     return words_of(ended.output);
 }
 
-Words commands(const std::string& program = TRIBUS_PROGRAM) {
-    const Ended help = run_in_shell("'" + program + "' --help");
-    std::istringstream lines(help.output.substr(help.output.find("Commands:\n")));
-    std::string line;
-    std::getline(lines, line);
-    Words names;
-    while (std::getline(lines, line) && line.starts_with("  ")) {
-        if (line[2] != ' ') {
-            names.push_back(words_of(line).front());
-        }
-    }
-    return names;
-}
-
 TEST(BashCompletion, offers_every_command) {
-    ASSERT_GE(commands().size(), 10U);
+    ASSERT_GE(commands_of(TRIBUS_PROGRAM).size(), 10U);
     const Words all = offered("\"\"");
-    for (const std::string& command : commands()) {
+    for (const std::string& command : commands_of(TRIBUS_PROGRAM)) {
         EXPECT_TRUE(has(all, command)) << command;
     }
 }
 
 TEST(BashCompletion, offers_the_commands_and_options_of_the_programs_beside) {
     for (const std::string program : {TRIBUS_WEB, TRIBUS_MQTT}) {
-        EXPECT_FALSE(commands(program).empty());
-        EXPECT_EQ(offered("\"\"", program), commands(program));
+        EXPECT_FALSE(commands_of(program).empty());
+        EXPECT_EQ(offered("\"\"", program), commands_of(program));
     }
     EXPECT_EQ(offered("serve --li", TRIBUS_WEB), Words{"--listen"});
     EXPECT_EQ(offered("run --br", TRIBUS_MQTT), Words{"--broker"});
@@ -92,14 +79,18 @@ TEST(BashCompletion, offers_the_settings_of_the_protocol) {
 
 TEST(BashCompletion, offers_the_names_of_running_daemons) {
     const TemporaryFolder folder;
-    const std::string here = "export XDG_RUNTIME_DIR='" + folder.path().string() + "';";
-    const std::string daemon =
-        here + "mkdir '" + folder.path().string() +
-        "/tribus'; '" TRIBUS_PROGRAM "' run --socket '" + folder.path().string() +
-        "/tribus/boat.sock' '" TRIBUS_SOURCE_DIR
-        "/config/examples/main-job.toml' >/dev/null 2>&1 & daemon=$!; "
-        "trap 'kill $daemon; wait $daemon' EXIT; for i in $(seq 300); do [ -S '" +
-        folder.path().string() + "/tribus/boat.sock' ] && break; sleep 0.1; done; ";
+    const std::string place = folder.path().string();
+    folder.write("boat.toml",
+                 "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"" + place +
+                     "/receiver\"\n[output.servos]\nprotocol = \"sbus\"\ndevice = \"" + place +
+                     "/servos\"\n[pipeline.main]\nfrom = \"receiver\"\nto = \"servos\"\n");
+    const std::string here = "export XDG_RUNTIME_DIR='" + place + "';";
+    const std::string daemon = here + "cd '" + place +
+                               "'; mkdir tribus; '" TRIBUS_PROGRAM
+                               "' run --socket tribus/boat.sock boat.toml >/dev/null 2>&1 & "
+                               "daemon=$!; trap 'kill $daemon; wait $daemon' EXIT; "
+                               "for i in $(seq 300); do [ -S tribus/boat.sock ] && break; "
+                               "sleep 0.1; done; ";
     for (const std::string line : {"monitor bo", "status bo", "reload bo", "record bo",
                                    "diff new.toml --daemon bo", "diff --daemon = bo"}) {
         EXPECT_TRUE(has(offered(line, TRIBUS_PROGRAM, daemon), "boat")) << line;
@@ -250,14 +241,14 @@ const std::string kManualPage =
     text_of_file(std::filesystem::path(TRIBUS_SOURCE_DIR) / "deploy" / "man" / "tribus.1");
 
 TEST(ManualPage, has_every_command) {
-    for (const std::string& command : commands()) {
+    for (const std::string& command : commands_of(TRIBUS_PROGRAM)) {
         EXPECT_NE(section_of(kManualPage, command), "") << command;
     }
 }
 
 TEST(ManualPage, has_every_option_of_a_command_in_its_section) {
     std::size_t count = 0;
-    for (const std::string& command : commands()) {
+    for (const std::string& command : commands_of(TRIBUS_PROGRAM)) {
         const Words words = words_of(section_of(kManualPage, command));
         for (const std::string& option : options_of(command)) {
             EXPECT_TRUE(has(words, "-" + option)) << command << " --" << option;
@@ -270,7 +261,7 @@ TEST(ManualPage, has_every_option_of_a_command_in_its_section) {
 TEST(ManualPage, has_no_option_that_the_command_does_not_know) {
     static const std::regex item("\n\\.It ([^\n]*)");
     static const std::regex flag("Fl -([a-z0-9_-]+)");
-    for (const std::string& command : commands()) {
+    for (const std::string& command : commands_of(TRIBUS_PROGRAM)) {
         const Words known = options_of(command);
         const std::string section = section_of(kManualPage, command);
         for (std::sregex_iterator line(section.begin(), section.end(), item), none; line != none;
@@ -309,7 +300,7 @@ TEST(ManualPage, of_the_programs_beside_have_their_commands_and_exit_statuses) {
          {std::pair{"tribus-web.8", TRIBUS_WEB}, std::pair{"tribus-mqtt.8", TRIBUS_MQTT}}) {
         const std::string page =
             text_of_file(std::filesystem::path(TRIBUS_SOURCE_DIR) / "deploy" / "man" / name);
-        for (const std::string& command : commands(program)) {
+        for (const std::string& command : commands_of(program)) {
             EXPECT_NE(page.find("\n.Cm " + command + "\n"), page.npos) << name << " " << command;
             for (const std::string& option : options_of(command, program)) {
                 EXPECT_NE(page.find("Fl -" + option), page.npos) << name << " --" << option;

@@ -29,10 +29,6 @@ std::vector<std::string> words_of(const std::string& text) {
     return words;
 }
 
-std::string source_text(const std::string& file) {
-    return text_of_file(fs::path(TRIBUS_SOURCE_DIR) / file);
-}
-
 /// The file's paragraphs, each with its fields: `Field: text`, where lines of the text begin with a
 /// space.
 using Paragraph = std::map<std::string, std::string>;

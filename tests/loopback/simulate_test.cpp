@@ -306,7 +306,7 @@ value = "battery.Voltage"
         << program.errors();
 }
 
-/// The same with DroneCAN: "batteryinfo" of captures/dronecan_vectors.json, which is 16.5 V.
+/// The same with DroneCAN: "batteryinfo" of tests/vectors/dronecan_vectors.json, which is 16.5 V.
 TEST_F(Simulate, PlaysMessagesOfDroneCanToo) {
     const std::string config = write_config(R"(
 [values.battery]

@@ -14,6 +14,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// Folders of a build, of tools, and of inputs that fuzzing made.
+bool is_foreign(const fs::path& folder) {
+    const std::string name = folder.filename().string();
+    return (name.starts_with(".") && name != ".ci") || name.starts_with("build") ||
+           name == "corpus" || name == "out" || name == "node_modules" ||
+           fs::exists(folder / "CMakeCache.txt");
+}
+
 /// Removes fenced blocks, in which nothing is a heading or a link.
 std::string without_fences(const std::string& page) {
     std::string text;
@@ -60,6 +68,24 @@ std::string anchor_of(std::string_view heading) {
 }
 
 }  // namespace
+
+std::vector<fs::path> project_files() {
+    const fs::path root = fs::path(TRIBUS_SOURCE_DIR).lexically_normal();
+    std::vector<fs::path> found;
+    for (auto entry = fs::recursive_directory_iterator(root);
+         entry != fs::recursive_directory_iterator(); ++entry) {
+        if (entry->is_directory() && is_foreign(entry->path())) {
+            entry.disable_recursion_pending();
+        } else if (entry->is_regular_file()) {
+            found.push_back(entry->path().lexically_relative(root));
+        }
+    }
+    return found;
+}
+
+std::string source_text(const fs::path& file) {
+    return text_of_file(fs::path(TRIBUS_SOURCE_DIR) / file);
+}
 
 std::string text_of_file(const fs::path& path) {
     std::ostringstream text;

@@ -13,6 +13,12 @@ namespace tribus::test {
 
 std::string text_of_file(const std::filesystem::path& path);
 
+/// `file`: relative to the project.
+std::string source_text(const std::filesystem::path& file);
+
+/// All files of the project, relative to it; not those of a build or a tool.
+std::vector<std::filesystem::path> project_files();
+
 std::filesystem::path readme();
 
 /// README.md first, then docs/ by name.

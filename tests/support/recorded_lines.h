@@ -1,10 +1,14 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <iterator>
 #include <vector>
 
+#include <gtest/gtest.h>
+
 #include "app/doctor/listening/line_heard.h"
+#include "app/doctor/listening/line_judge.h"
 #include "app/doctor/listening/listener.h"
 #include "tests/support/uart_wire.h"
 #include "transports/recordings/recording.h"
@@ -37,6 +41,22 @@ struct HeardBy {
     UartKind kind = UartKind::waits_for_idle;
     Duration lump{1};  ///< the port delivers what came in such a time in one read
 };
+
+/// Ports of both kinds that deliver each byte, or once a millisecond what has come.
+namespace heard_by {
+inline constexpr HeardBy kEachByteWaitingForIdle{UartKind::waits_for_idle, Duration(1)};
+inline constexpr HeardBy kLumpsWaitingForIdle{UartKind::waits_for_idle,
+                                              std::chrono::milliseconds(1)};
+inline constexpr HeardBy kEachByteAtOnce{UartKind::takes_error_for_start, Duration(1)};
+inline constexpr HeardBy kLumpsAtOnce{UartKind::takes_error_for_start,
+                                      std::chrono::milliseconds(1)};
+}  // namespace heard_by
+
+inline void expect_period(const doctor::LineStory& story, Duration expected) {
+    ASSERT_TRUE(story.period);
+    EXPECT_LT(std::chrono::abs(*story.period - expected), std::chrono::microseconds(100))
+        << story.period->count();
+}
 
 /// Returns what doctor receives with each line setting, one after the other.
 inline std::vector<doctor::Heard> heard_of(const Wire& wire, const HeardBy& by) {

@@ -16,10 +16,6 @@
 namespace tribus::test::rights_test {
 namespace {
 
-std::string source_text(const std::string& file) {
-    return text_of_file(std::filesystem::path(TRIBUS_SOURCE_DIR) / file);
-}
-
 std::string first_match(const std::string& text, const std::string& form) {
     std::smatch match;
     return std::regex_search(text, match, std::regex(form)) ? match.str(1) : std::string();

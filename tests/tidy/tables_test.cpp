@@ -62,17 +62,12 @@ std::vector<std::string> broken_rows(const std::string& page) {
 }
 
 TEST(Tables, of_all_pages_are_whole) {
-    const fs::path root = fs::path(TRIBUS_SOURCE_DIR);
-    std::vector<fs::path> pages = manual_pages();
-    for (const char* const page :
-         {"CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "tests/README.md",
-          "tests/bench/README.md", "tests/fuzz/README.md", "tests/mutation/README.md",
-          "tests/mutation/caught.md", "tests/lab/recovery.md"}) {
-        pages.push_back(root / page);
-    }
     std::size_t rows = 0;
-    for (const fs::path& page : pages) {
-        const std::string text = text_of_file(page);
+    for (const fs::path& page : project_files()) {
+        if (page.extension() != ".md") {
+            continue;
+        }
+        const std::string text = source_text(page);
         rows += static_cast<std::size_t>(std::ranges::count(text, '|'));
         for (const std::string& wrong : broken_rows(text)) {
             ADD_FAILURE() << page << ":" << wrong;

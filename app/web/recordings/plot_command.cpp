@@ -102,7 +102,7 @@ Command plot_command() {
                          .required = true},
                         {.name = "--from",
                          .value = &options->from_us,
-                         .help = "Begin of the picture, from that of the recording",
+                         .help = "Start of the picture, from the start of the recording",
                          .shows_value = true,
                          .value_name = "MICROSECONDS"},
                         {.name = "--to",

@@ -44,7 +44,7 @@ class Site {
     /// dropped.
     bool answer(SocketClient& client, Instant now);
 
-    /// Readable when `look` has something to do. There is room for so many more.
+    /// Readable when `look` has something to do. Reserves room for `room` more.
     std::vector<int> descriptors(std::size_t room) const;
     /// When `look` must be called at the latest.
     Instant due() const;

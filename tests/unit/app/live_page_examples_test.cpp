@@ -1,4 +1,6 @@
+#include <grp.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <functional>
 #include <regex>
@@ -142,6 +144,10 @@ TEST_F(LivePageExamples, ShowARecordingAndItsReplay) {
 }
 
 TEST_F(LivePageExamples, ShowANewKey) {
+    if (::geteuid() == 0 && ::getgrnam("tribus") != nullptr) {
+        GTEST_SKIP() << "the page shows what others than root are told, or before the package is "
+                        "installed";
+    }
     expect_at_ports("tribus key new boat.key", "rm -f boat.key; tribus key new boat.key");
 }
 
@@ -152,10 +158,11 @@ TEST_F(LivePageExamples, ShowADemo) {
 }
 
 TEST_F(LivePageExamples, ShowAMeasurement) {
-    // How the machine compares with a bare relay differs.
+    // Users have other rights, and machines compare otherwise with a bare relay.
     const auto without_verdict = [](const std::string& text) {
         static const std::regex verdict("better than|as good as|nearly as good as|worse than");
-        return std::regex_replace(text, verdict, "beside");
+        static const std::regex right("not permitted here: [^\n]*\n");
+        return std::regex_replace(std::regex_replace(text, right, ""), verdict, "beside");
     };
     const std::string options = "bench --only latency --seconds 1 --require p99=1us";
     const std::string command = "sudo tribus " + options;

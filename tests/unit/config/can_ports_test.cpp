@@ -77,7 +77,7 @@ constexpr Spoilt kMistakes[]{
     {"baud_of_a_bus", 3, R"(interface = "can0"
 baud = 500000)",
      R"(t.toml:4:1: unknown key "baud" in [input.cockpit]; a CAN interface gets it from )"
-     R"(Linux: sudo ip link set can0 up type can bitrate 500000)"},
+     R"(Linux: sudo ip link set can0 down; sudo ip link set can0 up type can bitrate 500000)"},
     {"id_too_high_for_11_bits", 6, R"(interface = "can1"
 id = 0x7FB)",
      R"(t.toml:7:6: 2043 is too high for ids of 11 bits; allowed is 0 to 2042 (0x7FA), )"

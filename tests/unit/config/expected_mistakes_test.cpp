@@ -154,7 +154,7 @@ constexpr Spoilt kValues[]{
      "device = \"/dev/ttyB\"\nscale = { raw = [172, 1811], us = [2012, 988] }",
      "t.toml:7:35: \"us\" is [2012, 988], the higher number first, unlike \"raw\"; write us = "
      "[988, "
-     "2012]. A channel is turned round by reverse = true"},
+     "2012]. To reverse a channel, write reverse = true"},
     {"a_whole_number_in_quotes", 3, "device = \"/dev/ttyA\"\nbaud = \"115200\"",
      "t.toml:4:8: \"baud\" is \"115200\"; leave the quotes out: baud = 115200"},
     {"a_wrong_whole_number_in_quotes", 3, "device = \"/dev/ttyA\"\nbaud = \"300\"",
@@ -256,11 +256,30 @@ constexpr Spoilt kKeys[]{
      "t.toml:3:1: unknown key \"baudrate\" in [input.receiver]; protocol \"dsm\" always has 115200 "
      "baud; leave it out"},
     {"the_parity_of_a_line", 6, "device = \"/dev/ttyB\"\nparity = \"even\"",
-     "t.toml:7:1: unknown key \"parity\" in [output.servos]; protocol \"sbus\" says what it is; "
-     "leave it out"},
+     "t.toml:7:1: unknown key \"parity\" in [output.servos]; protocol \"sbus\" sets it; leave it "
+     "out"},
+    {"a_table_of_channels_in_an_input", 3, "device = \"/dev/ttyA\"\n[input.receiver.channels]",
+     "t.toml:4:17: unknown table \"channels\" in [input.receiver]; what is in the channels of an "
+     "output stands in [pipeline.NAME.channels]"},
+    {"a_number_of_channels_of_a_protocol_that_says_them", 2, "protocol = \"sbus\"\nchannels = 8",
+     "t.toml:3:1: unknown key \"channels\" in [input.receiver]; \"sbus\" says which channels come; "
+     "leave it out, or say with \"map\" which ones are used"},
+    {"the_rate_of_a_line_of_values", 10,
+     "[values.pack]\nprotocol = \"crsf-telemetry\"\ndevice = \"/dev/ttyC\"\nbaudrate = 115200",
+     "t.toml:13:1: unknown key \"baudrate\" in [values.pack]; did you mean \"baud\"? Allowed: "
+     "\"constant\", \"unit\", \"interface\", \"dbc\", \"message\", \"dronecan\", \"node\", "
+     "\"instance\", \"fd\", \"protocol\", \"device\", \"address\", \"public\", \"sender\", "
+     "\"baud\", \"key\", \"signals\", \"timeout\""},
+    {"an_address_that_is_a_number", 6, "address = \"5600\"",
+     "t.toml:6:11: \"address\" is \"5600\": the port is missing; allowed: an IP address in digits "
+     "and a port from 1 to 65535, such as \"127.0.0.1:5501\" or \"[::1]:5501\""},
+    {"a_grave_accent_as_quote", 5, "protocol = `sbus`",
+     "t.toml:5:12: ` (U+0060) is a typographic quote; allowed: \" or '"},
     {"a_port_beyond_the_range", 6, "address = \"127.0.0.1:70000\"",
-     "t.toml:6:11: \"address\" is \"127.0.0.1:70000\": port 70000 is out of range; allowed: an IP "
-     "address in digits and a port from 1 to 65535, such as \"127.0.0.1:5501\" or \"[::1]:5501\""},
+     "t.toml:6:11: \"address\" is \"127.0.0.1:70000\": port 70000 is out of range; allowed: an "
+     "IP "
+     "address in digits and a port from 1 to 65535, such as \"127.0.0.1:5501\" or "
+     "\"[::1]:5501\""},
     {"an_address_without_a_port", 3, "address = \"127.0.0.1\"",
      "t.toml:3:11: \"address\" is \"127.0.0.1\": the port is missing; allowed: an IP address in "
      "digits and a port from 1 to 65535, such as \"127.0.0.1:5501\" or \"[::1]:5501\""},
@@ -291,20 +310,30 @@ TEST_P(NewcomersMistakeInOutput, IsToldWithWhatToWrite) {
 constexpr InOutput kInOutput[]{
     {"bit_rate", "[output.bus]\nprotocol = \"can\"\ninterface = \"can1\"\nbitrate = 250000",
      "t.toml:10:1: unknown key \"bitrate\" in [output.bus]; a CAN interface gets it from Linux: "
-     "sudo ip link set can1 up type can bitrate 250000"},
+     "sudo ip link set can1 down; sudo ip link set can1 up type can bitrate 250000"},
+    {"sample_point", "[output.bus]\nprotocol = \"can\"\ninterface = \"can0\"\nsample_point = 0.8",
+     "t.toml:10:1: unknown key \"sample_point\" in [output.bus]; a CAN interface gets it from "
+     "Linux: "
+     "sudo ip link set can0 down; sudo ip link set can0 up type can bitrate 500000 sample-point "
+     "0.8"},
+    {"loopback_that_is_off",
+     "[output.bus]\nprotocol = \"can\"\ninterface = \"can0\"\nloopback = false",
+     "t.toml:10:1: unknown key \"loopback\" in [output.bus]; it is off unless Linux was told "
+     "otherwise (ip -details link shows it); leave it out"},
     {"bit_rate_by_another_name",
      "[output.bus]\nprotocol = \"dronecan\"\ninterface = \"can0\"\nnode_id = 7\nbaud = \"1M\"",
      "t.toml:11:1: unknown key \"baud\" in [output.bus]; a CAN interface gets it from Linux: sudo "
-     "ip link set can0 up type can bitrate 500000"},
+     "ip link set can0 down; sudo ip link set can0 up type can bitrate 500000"},
     {"bit_rate_of_the_data",
      "[output.bus]\nprotocol = \"can\"\ninterface = \"can0\"\nfd = true\ndata_bitrate = 5000000",
      "t.toml:11:1: unknown key \"data_bitrate\" in [output.bus]; a CAN interface gets it from "
-     "Linux: sudo ip link set can0 up type can bitrate 500000 dbitrate 5000000 fd on"},
+     "Linux: sudo ip link set can0 down; sudo ip link set can0 up type can bitrate 500000 dbitrate "
+     "5000000 fd on"},
     {"bit_rate_of_a_node",
      "[output.bus]\nprotocol = \"dronecan\"\ninterface = \"can0\"\n"
      "[dronecan.node]\ninterface = \"can0\"\nnode_id = 7\nbitrate = 1000000",
      "t.toml:13:1: unknown key \"bitrate\" in [dronecan.node]; a CAN interface gets it from Linux: "
-     "sudo ip link set can0 up type can bitrate 1000000"},
+     "sudo ip link set can0 down; sudo ip link set can0 up type can bitrate 1000000"},
     {"id_in_quotes", "[output.bus]\nprotocol = \"can\"\ninterface = \"can0\"\nid = \"0x300\"",
      "t.toml:10:6: \"id\" is \"0x300\"; leave the quotes out: id = 0x300"},
     {"id_with_a_large_x", "[output.bus]\nprotocol = \"can\"\ninterface = \"can0\"\nid = 0X200",

@@ -34,6 +34,20 @@ inline std::string main_job_with(std::size_t number, std::string_view replacemen
     return number == kMainJob.size() + 1 ? text + std::string(replacement) + "\n" : text;
 }
 
+/// Tables of a valid configuration from SBUS to SBUS, in any order.
+inline constexpr std::string_view kReceiverTable = R"([input.receiver]
+protocol = "sbus"
+device = "/dev/ttyA"
+)";
+inline constexpr std::string_view kServosTable = R"([output.servos]
+protocol = "sbus"
+device = "/dev/ttyB"
+)";
+inline constexpr std::string_view kPipelineTable = R"([pipeline.main]
+from = "receiver"
+to = "servos"
+)";
+
 /// Returns the mistakes as a user sees them; empty if the text is a valid configuration.
 inline std::vector<std::string> mistakes_in(std::string_view text,
                                             std::string_view file_name = "t.toml") {

@@ -188,7 +188,7 @@ scale = { raw = [172, 1811], us = [988, 2012], s = 1 })",
      R"(device = "/dev/ttyB"
 scale = { raw = [1811, 172], us = [988, 2012] })",
      R"(t.toml:7:17: "raw" is [1811, 172], the higher number first, unlike "us"; write raw = )"
-     R"([172, 1811]. A channel is turned round by reverse = true)"},
+     R"([172, 1811]. To reverse a channel, write reverse = true)"},
     {"scale_that_is_too_flat", 6,
      R"(device = "/dev/ttyB"
 scale = { raw = [0, 2000], us = [1000, 1499] })",

@@ -3,20 +3,18 @@
 #include <chrono>
 #include <map>
 #include <memory>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <thread>
 
 #include <gtest/gtest.h>
-#include <spdlog/sinks/ostream_sink.h>
-#include <spdlog/spdlog.h>
 
 #include "config/load.h"
 #include "pipelines/realtime/clock.h"
 #include "tests/support/far_end.h"
 #include "tests/support/ibus_checksum.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/unit/app/log/log_in_memory.h"
 
 /// What the log says of sensors that a receiver role asks at a pty.
 namespace tribus::test::sensor_bus_log_test {
@@ -35,10 +33,7 @@ Bytes frame(std::uint8_t command_and_address, const Bytes& data = {}) {
 
 class SensorBusLogAtAWire : public testing::Test {
   protected:
-    SensorBusLogAtAWire() : logger_before_(spdlog::default_logger()) {
-        auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(said_);
-        sink->set_pattern("%l %v");
-        spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", sink));
+    SensorBusLogAtAWire() {
         auto started = Appliance::start(configuration());
         if (!started) {
             throw std::runtime_error(started.error().front());
@@ -49,19 +44,18 @@ class SensorBusLogAtAWire : public testing::Test {
             std::this_thread::sleep_for(1ms);
         }
     }
-    ~SensorBusLogAtAWire() override { spdlog::set_default_logger(logger_before_); }
 
     /// Answers the requests until the log says this at a look at `now`.
     void expect_said(const std::string& line, const Answers& answers, Instant now = Instant(1s)) {
         const Instant patience = monotonic_now() + 10s;
-        while (said_.str().find(line + "\n") == std::string::npos) {
-            ASSERT_LT(monotonic_now(), patience) << line << "\nwas not said, but\n" << said_.str();
+        while (said().find(line + "\n") == std::string::npos) {
+            ASSERT_LT(monotonic_now(), patience) << line << "\nwas not said, but\n" << said();
             answer(answers);
             log_->look(*appliance_, now);
             std::this_thread::sleep_for(1ms);
         }
     }
-    std::string said() const { return said_.str(); }
+    std::string said() const { return logged_.text(); }
     void pull() {
         sensors_.pull();
         while (appliance_->port_present(0)) {
@@ -97,8 +91,7 @@ class SensorBusLogAtAWire : public testing::Test {
     TemporaryFolder folder_;
     FarEnd sensors_{folder_ / "sensors"};
     Bytes requests_;
-    std::ostringstream said_;
-    std::shared_ptr<spdlog::logger> logger_before_;
+    LogInMemory logged_{"%l %v"};
 };
 
 TEST_F(SensorBusLogAtAWire, NamesASensorThatIsFound) {
@@ -106,45 +99,47 @@ TEST_F(SensorBusLogAtAWire, NamesASensorThatIsFound) {
                 {{0x81, frame(0x81)}, {0x91, frame(0x91, {0x01, 2})}});
 }
 
-TEST_F(SensorBusLogAtAWire, SaysThatASensorNeverTellsItsTypeAndWhenItDoes) {
+TEST_F(SensorBusLogAtAWire, SaysThatASensorNeverReportsItsTypeAndWhenItDoes) {
     expect_said(
-        "warning sensor bus probes: a sensor at address 1 answers, but never tells its type; "
+        "warning sensor bus probes: a sensor at address 1 answers, but never reports its type; "
         "neither it nor a sensor at a higher address is read. Are there two sensors at this "
         "address, or is this no i.Bus sensor?",
         {{0x81, frame(0x81)}});
     expect_said("info sensor bus probes: address 1 is temperature",
                 {{0x81, frame(0x81)}, {0x91, frame(0x91, {0x01, 2})}}, Instant(6s));
     EXPECT_EQ(said().find("no sensor replies"), std::string::npos) << said();
-    EXPECT_EQ(said().find("answers no more"), std::string::npos) << said();
+    EXPECT_EQ(said().find("no longer answers"), std::string::npos) << said();
 }
 
 TEST_F(SensorBusLogAtAWire, SaysThatASensorWithoutATypeIsGone) {
     expect_said(
-        "warning sensor bus probes: a sensor at address 1 answers, but never tells its type; "
+        "warning sensor bus probes: a sensor at address 1 answers, but never reports its type; "
         "neither it nor a sensor at a higher address is read. Are there two sensors at this "
         "address, or is this no i.Bus sensor?",
         {{0x81, frame(0x81)}});
-    expect_said("info sensor bus probes: address 1 answers no more", {});
+    expect_said("info sensor bus probes: address 1 no longer answers", {});
 }
 
-TEST_F(SensorBusLogAtAWire, SaysThatValuesHaveAnotherSizeThanTheSensorSaid) {
+TEST_F(SensorBusLogAtAWire, SaysThatValuesHaveAnotherSizeThanTheSensorReported) {
     Answers answers{{0x81, frame(0x81)}, {0x91, frame(0x91, {0x01, 2})}};
     answers[0xA1] = frame(0xA1, {0x90, 0x01, 0, 0});
     expect_said(
-        "warning sensor bus probes: the values of address 1 have 4 bytes, but the sensor said 2 "
+        "warning sensor bus probes: the values of address 1 have 4 bytes, but the sensor reported "
+        "2 "
         "with its type; they are not read",
         answers);
     EXPECT_EQ(said().find("is gone"), std::string::npos) << said();
     answers[0xA1] = frame(0xA1, {0x90, 0x01});
-    expect_said("info sensor bus probes: the values of address 1 have 2 bytes again, as it said",
-                answers);
+    expect_said(
+        "info sensor bus probes: the values of address 1 have 2 bytes again, as it reported",
+        answers);
 }
 
-TEST_F(SensorBusLogAtAWire, SaysThatATypeDoesNotHaveTheSizeThatTheSensorSays) {
+TEST_F(SensorBusLogAtAWire, SaysThatATypeDoesNotHaveTheSizeThatTheSensorReports) {
     expect_said(
-        "warning sensor bus probes: address 1 is temperature, but says that its values have 3 "
-        "bytes, where that type has 2; a [sensor_type] of your own with that id and size says "
-        "what they mean",
+        "warning sensor bus probes: address 1 is temperature, but reports values of 3 "
+        "bytes, where that type has 2; a [sensor_type] of your own with that id and size "
+        "defines them",
         {{0x81, frame(0x81)}, {0x91, frame(0x91, {0x01, 3})}});
 }
 

@@ -1,6 +1,5 @@
 #include <chrono>
 #include <memory>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -9,8 +8,6 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <spdlog/sinks/ostream_sink.h>
-#include <spdlog/spdlog.h>
 
 #include "app/log/state_log.h"
 #include "config/load.h"
@@ -18,6 +15,7 @@
 #include "tests/support/far_end.h"
 #include "tests/support/sbus_frames.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/unit/app/log/log_in_memory.h"
 #include "tests/unit/transports/codecs/mavlink/mavlink_messages.h"
 
 /// What the log says of an autopilot at a pty that answers. SBUS frames of 1500 us steer it.
@@ -33,10 +31,7 @@ constexpr std::string_view kAdvice =
 
 class StateLogOfAnAutopilot : public testing::Test {
   protected:
-    StateLogOfAnAutopilot() : logger_before_(spdlog::default_logger()) {
-        auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(said_);
-        sink->set_pattern("%v");
-        spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", sink));
+    StateLogOfAnAutopilot() {
         auto started = Appliance::start(configuration());
         if (!started) {
             throw std::runtime_error(started.error().front());
@@ -44,7 +39,6 @@ class StateLogOfAnAutopilot : public testing::Test {
         appliance_ = std::move(*started);
         log_ = std::make_unique<StateLog>(*appliance_, Instant(0s));
     }
-    ~StateLogOfAnAutopilot() override { spdlog::set_default_logger(logger_before_); }
 
     void steer() {
         until([&] {
@@ -70,13 +64,8 @@ class StateLogOfAnAutopilot : public testing::Test {
     /// What the log says of the output's answers when it looks.
     std::string said() {
         log_->look(*appliance_, Instant(1s));
-        std::istringstream all(std::move(said_).str());
-        said_.str("");
-        std::string lines;
-        for (std::string line; std::getline(all, line);) {
-            lines += line.find("answer") != std::string::npos ? line + "\n" : "";
-        }
-        return lines;
+        return logged_.take_lines(
+            [](const std::string& line) { return line.find("answer") != std::string::npos; });
     }
 
   private:
@@ -105,8 +94,7 @@ class StateLogOfAnAutopilot : public testing::Test {
     TemporaryFolder folder_;
     FarEnd receiver_{folder_ / "receiver"};
     FarEnd autopilot_{folder_ / "autopilot"};
-    std::ostringstream said_;
-    std::shared_ptr<spdlog::logger> logger_before_;
+    LogInMemory logged_{"%v"};
     std::unique_ptr<Appliance> appliance_;
     std::unique_ptr<StateLog> log_;
 };

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -14,14 +13,13 @@
 #include <utility>
 
 #include <gtest/gtest.h>
-#include <spdlog/sinks/ostream_sink.h>
-#include <spdlog/spdlog.h>
 
 #include "config/load.h"
 #include "pipelines/realtime/clock.h"
 #include "tests/support/far_end.h"
 #include "tests/support/sbus_frames.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/unit/app/log/log_in_memory.h"
 
 /// Messages of the log, also across a reload, for an appliance that runs at ptys. The test decides
 /// when the log looks and gives it the time.
@@ -43,10 +41,7 @@ Bytes radio_lost() {
 
 class StateLogAtPtys : public testing::Test {
   protected:
-    StateLogAtPtys() : logger_before_(spdlog::default_logger()) {
-        auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(said_);
-        sink->set_pattern("%v");
-        spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", sink));
+    StateLogAtPtys() {
         auto started = Appliance::start(configuration("receiver", "ibus"));
         if (!started) {
             throw std::runtime_error(started.error().front());
@@ -54,7 +49,6 @@ class StateLogAtPtys : public testing::Test {
         appliance_ = std::move(*started);
         log_ = std::make_unique<StateLog>(*appliance_, Instant(0s));
     }
-    ~StateLogAtPtys() override { spdlog::set_default_logger(logger_before_); }
 
     /// Sends the frame until the program reports this cause; then the log looks.
     void receive(const Bytes& frame, LinkCause cause, Instant now) {
@@ -112,15 +106,7 @@ class StateLogAtPtys : public testing::Test {
         log_ = std::move(log);
     }
     /// Returns the messages since the last call that begin with `of`.
-    std::string said(std::string_view of) {
-        std::istringstream all(std::move(said_).str());
-        said_.str("");
-        std::string lines;
-        for (std::string line; std::getline(all, line);) {
-            lines += line.starts_with(of) ? line + "\n" : "";
-        }
-        return lines;
-    }
+    std::string said(std::string_view of) { return logged_.take_lines_of(of); }
     std::string said_at(Instant now, std::string_view of) {
         log_->look(*appliance_, now);
         return said(of);
@@ -167,8 +153,7 @@ class StateLogAtPtys : public testing::Test {
         }
     }
 
-    std::ostringstream said_;
-    std::shared_ptr<spdlog::logger> logger_before_;
+    LogInMemory logged_{"%v"};
     std::unique_ptr<Appliance> appliance_;
     std::unique_ptr<StateLog> log_;
 };

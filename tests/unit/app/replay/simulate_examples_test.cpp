@@ -173,7 +173,7 @@ TEST_F(SimulatedExample, CrsfToMavlinkShowsBatteryAndPositionOnTheHandset) {
 }
 
 TEST_F(SimulatedExample, CrsfToDroneCanShowsTheBatteryOnTheHandset) {
-    // "batteryinfo" of captures/dronecan_vectors.json: 16.5 V, 12.25 A, 68 %.
+    // "batteryinfo" of tests/vectors/dronecan_vectors.json: 16.5 V, 12.25 A, 68 %.
     folder_.write("pack.log",
                   "(1.000000) can0 1004441E#23F9A85C204C2086\n"
                   "(1.000200) can0 1004441E#4A505A4052A05426\n"

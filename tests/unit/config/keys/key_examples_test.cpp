@@ -39,18 +39,6 @@ BO_ 512 Battery: 2 A
  SG_ Voltage : 0|16@1+ (0.001,0) [0|60] "V" B
 )";
 
-constexpr std::string_view kInput = R"([input.receiver]
-protocol = "sbus"
-device = "/dev/ttyA"
-)";
-constexpr std::string_view kOutput = R"([output.servos]
-protocol = "sbus"
-device = "/dev/ttyB"
-)";
-constexpr std::string_view kPipeline = R"([pipeline.main]
-from = "receiver"
-to = "servos"
-)";
 constexpr std::string_view kTwoInputs = R"([input.main]
 protocol = "sbus"
 device = "/dev/ttyA"
@@ -66,18 +54,19 @@ signals = { voltage = "Voltage" }
 )";
 
 std::string around(std::string_view table) {
-    return std::string(table) + std::string(kInput) + std::string(kOutput) + std::string(kPipeline);
+    return std::string(table) + std::string(kReceiverTable) + std::string(kServosTable) +
+           std::string(kPipelineTable);
 }
 std::string input(std::string_view lines) {
-    return "[input.receiver]\n" + std::string(lines) + "HERE\n" + std::string(kOutput) +
-           std::string(kPipeline);
+    return "[input.receiver]\n" + std::string(lines) + "HERE\n" + std::string(kServosTable) +
+           std::string(kPipelineTable);
 }
 std::string output(std::string_view lines) {
-    return "[output.servos]\n" + std::string(lines) + "HERE\n" + std::string(kInput) +
-           std::string(kPipeline);
+    return "[output.servos]\n" + std::string(lines) + "HERE\n" + std::string(kReceiverTable) +
+           std::string(kPipelineTable);
 }
 std::string on_two_inputs(std::string_view pipeline) {
-    return std::string(kTwoInputs) + std::string(kOutput) + std::string(pipeline);
+    return std::string(kTwoInputs) + std::string(kServosTable) + std::string(pipeline);
 }
 std::string bus_sensor(std::string_view lines) {
     return "[values.battery]\nconstant = 12\n[sensor_bus.t]\ndevice = \"/dev/ttyD\"\n"
@@ -85,8 +74,8 @@ std::string bus_sensor(std::string_view lines) {
            std::string(lines);
 }
 std::string battery_in_values(std::string_view lines) {
-    return "[values.battery]\n" + std::string(lines) + "HERE\n" + std::string(kInput) +
-           std::string(kOutput) + std::string(kPipeline);
+    return "[values.battery]\n" + std::string(lines) + "HERE\n" + std::string(kReceiverTable) +
+           std::string(kServosTable) + std::string(kPipelineTable);
 }
 std::string line(std::string_view lines) {
     return "[gpio.record]\nline = \"GPIO17\"\n" + std::string(lines) + "HERE\n" +
@@ -96,14 +85,15 @@ std::string on_dronecan(std::string_view way, std::string_view lines) {
     const std::string port = "[" + std::string(way) +
                              "]\nprotocol = \"dronecan\"\ninterface = \"can0\"\n" +
                              std::string(lines) + "HERE\n";
-    return port + std::string(way == "input.receiver" ? kOutput : kInput) + std::string(kPipeline);
+    return port + std::string(way == "input.receiver" ? kServosTable : kReceiverTable) +
+           std::string(kPipelineTable);
 }
 std::string signal(std::string_view name, std::string_view lines) {
     return "[output.servos]\nprotocol = \"dbc\"\ninterface = \"can0\"\ndbc = \"rover.dbc\"\n"
            "[output.servos.signals.Command]\nMode = { channel = 5 }\n"
            "[output.servos.signals.Command." +
            std::string(name) + "]\n" + std::string(lines) + "HERE\n" + std::string(kBattery) +
-           std::string(kInput) + std::string(kPipeline);
+           std::string(kReceiverTable) + std::string(kPipelineTable);
 }
 
 std::string telemetry(std::string_view lines) {
@@ -167,7 +157,7 @@ std::map<std::string, std::string> contexts() {
         {"failsafe",
          "[pipeline.main]\nfrom = \"receiver\"\nto = [\"servos\", \"bus\"]\n"
          "[pipeline.main.failsafe]\nHERE\n" +
-             std::string(kInput) + std::string(kOutput) +
+             std::string(kReceiverTable) + std::string(kServosTable) +
              "[output.bus]\nprotocol = \"can\"\ninterface = \"can0\"\n"},
         {"release_when", around("[pipeline.main.failsafe.release_when]\nchannel = 3\n"
                                 "below = 1050\nHERE\n")},

@@ -67,21 +67,9 @@ void expect_defaults(const Json& table, std::span<const Key> rows, const Applies
     }
 }
 
-constexpr std::string_view kInput = R"([input.receiver]
-protocol = "sbus"
-device = "/dev/ttyA"
-)";
-constexpr std::string_view kOutput = R"([output.servos]
-protocol = "sbus"
-device = "/dev/ttyB"
-)";
-constexpr std::string_view kPipeline = R"([pipeline.main]
-from = "receiver"
-to = "servos"
-)";
-
 std::string main_job_and(std::string_view more) {
-    return std::string(kInput) + std::string(kOutput) + std::string(kPipeline) + std::string(more);
+    return std::string(kReceiverTable) + std::string(kServosTable) + std::string(kPipelineTable) +
+           std::string(more);
 }
 
 /// Lines that a protocol needs beside its required keys.
@@ -117,10 +105,11 @@ std::string minimal_job(const Protocol& protocol, const Medium& medium, SettingS
     const std::string port = (in ? "[input.receiver]\n" : "[output.servos]\n") + lines;
     if (sends_values) {
         return "[output.other]\nprotocol = \"ibus\"\ndevice = \"/dev/ttyC\"\n" +
-               std::string(kInput) + "[pipeline.main]\nfrom = \"receiver\"\nto = \"other\"\n" +
-               port + "[sensor_bus.probes]\nrole = \"receiver\"\ndevice = \"/dev/ttyD\"\n";
+               std::string(kReceiverTable) +
+               "[pipeline.main]\nfrom = \"receiver\"\nto = \"other\"\n" + port +
+               "[sensor_bus.probes]\nrole = \"receiver\"\ndevice = \"/dev/ttyD\"\n";
     }
-    return port + std::string(in ? kOutput : kInput) + std::string(kPipeline);
+    return port + std::string(in ? kServosTable : kReceiverTable) + std::string(kPipelineTable);
 }
 
 /// Whether a row of an input applies to the protocol.
@@ -198,8 +187,8 @@ TEST_F(Defaults, ThatDependOnOtherKeysArePrinted) {
         {dronecan + "carries = \"motors\"\n", "receiver", nullptr},
     };
     for (const auto& [lines, key, value] : defaults) {
-        Json all = printed_here("[output.servos]\n" + lines + std::string(kInput) +
-                                std::string(kPipeline));
+        Json all = printed_here("[output.servos]\n" + lines + std::string(kReceiverTable) +
+                                std::string(kPipelineTable));
         const Json& table = all["output"]["servos"];
         EXPECT_EQ(table.contains(key) ? table[key] : Json(), value) << key << "\n" << lines;
     }
@@ -207,7 +196,7 @@ TEST_F(Defaults, ThatDependOnOtherKeysArePrinted) {
 
 TEST_F(Defaults, OfInputsThatListenToTheFirstSenderAreNoSender) {
     Json all = printed_here("[input.receiver]\nprotocol = \"mavlink\"\ndevice = \"/dev/ttyA\"\n" +
-                            std::string(kOutput) + std::string(kPipeline));
+                            std::string(kServosTable) + std::string(kPipelineTable));
     EXPECT_FALSE(all["input"]["receiver"].contains("system"));
     EXPECT_FALSE(all["input"]["receiver"].contains("message"));
 }
@@ -216,12 +205,13 @@ TEST_F(Defaults, OfMapsAreThoseOfTheManual) {
     Json pad = printed_here(
         "[input.receiver]\nprotocol = \"gamepad\"\n"
         "device = \"/dev/input/event0\"\n" +
-        std::string(kOutput) + std::string(kPipeline))["input"]["receiver"];
+        std::string(kServosTable) + std::string(kPipelineTable))["input"]["receiver"];
     EXPECT_EQ(pad["axes"].dump(),
               R"({"ABS_RX":1,"ABS_RY":2,"ABS_X":4,"ABS_Y":{"channel":3,"reverse":true}})");
     EXPECT_EQ(pad["buttons"].dump(), R"({"BTN_EAST":6,"BTN_NORTH":8,"BTN_SOUTH":5,"BTN_WEST":7})");
-    Json stick = printed_here("[output.servos]\nprotocol = \"joystick\"\nname = \"tribus\"\n" +
-                              std::string(kInput) + std::string(kPipeline))["output"]["servos"];
+    Json stick =
+        printed_here("[output.servos]\nprotocol = \"joystick\"\nname = \"tribus\"\n" +
+                     std::string(kReceiverTable) + std::string(kPipelineTable))["output"]["servos"];
     EXPECT_EQ(stick["axes"]["ABS_RUDDER"], 8);
     EXPECT_EQ(stick["buttons"]["1"], 9);
     EXPECT_EQ(stick["buttons"]["10"], 18);
@@ -244,7 +234,7 @@ TEST_F(Defaults, OfPipelinesArePrinted) {
 }
 
 TEST_F(Defaults, OfAMedianIncludeItsTolerance) {
-    Json all = printed_here(std::string(kInput) + std::string(kOutput) +
+    Json all = printed_here(std::string(kReceiverTable) + std::string(kServosTable) +
                             "[input.b]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyC\"\n"
                             "[input.c]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyD\"\n"
                             "[pipeline.main]\nfrom = [\"receiver\", \"b\", \"c\"]\nto = "
@@ -265,8 +255,9 @@ TEST_F(Defaults, OfLinesOfEveryRoleArePrinted) {
         }
         const bool selects = role == LineRole::select;
         Json all = printed_here(
-            std::string(kInput) + std::string(kOutput) + lines + "[pipeline.main]\nfrom = " +
-            (selects ? "[\"receiver\", \"b\"]" : "\"receiver\"") + "\nto = \"servos\"\n");
+            std::string(kReceiverTable) + std::string(kServosTable) + lines +
+            "[pipeline.main]\nfrom = " + (selects ? "[\"receiver\", \"b\"]" : "\"receiver\"") +
+            "\nto = \"servos\"\n");
         expect_defaults(
             all["gpio"]["x"], line_keys(),
             [role](std::string_view key) { return role_has(role, key); },

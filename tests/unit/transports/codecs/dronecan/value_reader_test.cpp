@@ -58,7 +58,7 @@ class Reader {
     std::vector<ValueReading> readings_;
 };
 
-/// "batteryinfo" of captures/dronecan_vectors.json: its health is the code for unknown.
+/// "batteryinfo" of tests/vectors/dronecan_vectors.json: its health is the code for unknown.
 const std::vector<CanFrame> kBattery = frames_from(
     0x1004441E,
     {"23F9A85C204C2086", "4A505A4052A05426", "0000011FE2030006", "000000006C697026", "6F347346"});

@@ -20,7 +20,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// From the layout in Betaflight's msp_protocol.h and serial code (captures/further/msp.json).
+// From the layout in Betaflight's msp_protocol.h and serial code.
 constexpr std::string_view kEightChannels = "244d3c10c8dc05dc05e803dc05e803e803d007dc05e4";
 const std::vector<double> kEightPulses{1500, 1500, 1000, 1500, 1000, 1000, 2000, 1500};
 // MSP_SET_MOTOR as somebody's program logged it (christianrauch/msp, issue 62).
