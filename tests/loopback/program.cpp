@@ -147,8 +147,10 @@ void Program::note_end(int status) {
 
 bool Program::runs() {
     int status = 0;
-    if (!ended_ && ::waitpid(pid_, &status, WNOHANG) == pid_) {
+    rusage usage{};
+    if (!ended_ && ::wait4(pid_, &status, WNOHANG, &usage) == pid_) {
         note_end(status);
+        peak_kib_ = usage.ru_maxrss;
     }
     return !ended_;
 }

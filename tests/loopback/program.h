@@ -69,6 +69,9 @@ class Program {
     std::ptrdiff_t open_descriptors() const;
     /// Value in KiB of a line of /proc/PID/status, such as "VmRSS".
     long memory_kib(const std::string& line) const;
+    /// Peak of its memory in KiB, after its end. At least that of this process, of which it is a
+    /// copy at first.
+    long peak_kib() const { return peak_kib_; }
     /// Waits for the end. Returns the exit status, or 128 plus the signal that ended the program.
     std::optional<int> end(std::chrono::seconds patience = kPatience);
 
@@ -86,6 +89,7 @@ class Program {
     std::string errors_file_;
     pid_t pid_ = -1;
     std::optional<int> ended_;
+    long peak_kib_ = 0;
 };
 
 /// Returns how often `text` contains `part`.
