@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <regex>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -165,12 +166,14 @@ TEST_F(Network, WithAKeySaysThatSomebodyElseSendsAndStaysInControl) {
     forged.resize(4 + 64);
     forged[4 + 7] = 200;
     outside_->send_to(boat_port_, forged);
+    // A busy machine may delay messages of the shore until their challenge counts no more.
+    const std::regex said(
+        "input shore: refused [0-9]+ messages? that its key does not prove, while its own sender "
+        "is heard");
     EXPECT_TRUE(eventually([&] {
         radio_.send_if_due();
         route();
-        return boat.errors().find(
-                   "input shore: refused 1 message that its key does not prove, "
-                   "while its own sender is heard") != std::string::npos;
+        return std::regex_search(boat.errors(), said);
     })) << boat.errors();
     EXPECT_TRUE(servos_follow(1300)) << boat.errors() << shore.errors();
     EXPECT_EQ(boat.errors().find("input shore: forged"), std::string::npos) << boat.errors();
