@@ -10,7 +10,7 @@ tribus=$1/usr/bin/tribus
 "$1/usr/bin/tribus-mqtt" --version
 examples=$(mktemp -d)
 trap 'rm -r "$examples"' EXIT
-cp "$1"/usr/share/doc/tribus/examples/* "$examples"
+cp -r "$1"/usr/share/doc/tribus/examples/. "$examples"
 "$tribus" key new "$examples/boat.key" >/dev/null
 sed -i "s#/etc/tribus/keys/#$examples/#" "$examples"/*.toml
 for example in "$examples"/*.toml; do
