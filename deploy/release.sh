@@ -38,7 +38,7 @@ lay_out() {
 # package_sh FOLDER OPTION...: prints the path of the package.
 package_sh() (
     cd "$1" && shift &&
-        SOURCE_DATE_EPOCH=$commit_seconds DEBFULLNAME=$DEBFULLNAME DEBEMAIL=$DEBEMAIL TRIBUS_COMMIT=$commit \
+        SOURCE_DATE_EPOCH=$commit_seconds TRIBUS_COMMIT=$commit \
             deploy/package.sh "${package%-*}" --release "${package#*-}" "$@"
 )
 
@@ -160,6 +160,7 @@ install_packages git
 commit=$(git rev-parse HEAD)
 commit_seconds=$(git log -1 --format=%ct)
 name_maintainer
+export DEBFULLNAME DEBEMAIL
 version=$(git show HEAD:CMakeLists.txt | sed -n 's/^project(tribus VERSION \([0-9.]*\).*/\1/p')
 results=$place/$version
 done=$place/done/$commit

@@ -138,16 +138,14 @@ void SensorBusLog::look_at_fault(const SensorBusState& state, std::size_t addres
         case SensorFault::Kind::no_type:
             log_warning(
                 "sensor bus {}: a sensor at address {} answers, but never reports its type; "
-                "neither "
-                "it nor a sensor at a higher address is read. Are there two sensors at this "
-                "address, or is this no i.Bus sensor?{}",
+                "neither it nor a sensor at a higher address is read. Are there two sensors at "
+                "this address, or is this no i.Bus sensor?{}",
                 memory.name, address, note);
             break;
         case SensorFault::Kind::wrong_size:
             log_warning(
                 "sensor bus {}: the values of address {} have {}, but the sensor reported {} with "
-                "its "
-                "type; they are not read{}",
+                "its type; they are not read{}",
                 memory.name, address, counted(fault.sent_size, "byte"),
                 is_found ? state.found[address - 1].size : 0, note);
             break;

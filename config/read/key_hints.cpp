@@ -25,7 +25,7 @@ constexpr std::array<std::string_view, 4> kChannelCounts{"channels", "channelcou
 
 struct CanOption {
     std::string_view key;
-    /// What `ip link` has behind the bit rate. `{}`: the value in the file.
+    /// The words of `ip link` behind the bit rate. `{}`: the value in the file.
     std::string_view words;
     std::string_view usual;  ///< instead of a value that is no number
 };

@@ -44,7 +44,7 @@ std::string whole_help_of(const std::string& program, const std::string& command
     return help;
 }
 
-/// What a help has is tested without the programs (programs_test.cpp).
+/// The texts are tested in programs_test.cpp, without the programs.
 TEST(Help, of_every_command_is_that_of_the_program) {
     for (const auto& [program, path] : kPrograms) {
         const std::vector<std::string> commands = commands_of(path);

@@ -312,7 +312,7 @@ TEST_F(ReloadsUnderLoad, AHundredInARowDelayNoFrameAndLeakNothing) {
     EXPECT_EQ(program_->open_descriptors(), descriptors);
     // A sanitizer keeps freed memory for a while.
     if (!kSanitized) {
-        // What it maps for a moment behind a reload is no leak.
+        // Memory that it maps for a moment behind a reload is no leak.
         EXPECT_TRUE(eventually([&] {
             return program_->memory_kib("RssAnon") <= memory[0] + 128 &&
                    program_->memory_kib("VmData") <= memory[1] + 128;

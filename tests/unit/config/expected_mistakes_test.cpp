@@ -276,8 +276,7 @@ constexpr Spoilt kKeys[]{
     {"a_grave_accent_as_quote", 5, "protocol = `sbus`",
      "t.toml:5:12: ` (U+0060) is a typographic quote; allowed: \" or '"},
     {"a_port_beyond_the_range", 6, "address = \"127.0.0.1:70000\"",
-     "t.toml:6:11: \"address\" is \"127.0.0.1:70000\": port 70000 is out of range; allowed: an "
-     "IP "
+     "t.toml:6:11: \"address\" is \"127.0.0.1:70000\": port 70000 is out of range; allowed: an IP "
      "address in digits and a port from 1 to 65535, such as \"127.0.0.1:5501\" or "
      "\"[::1]:5501\""},
     {"an_address_without_a_port", 3, "address = \"127.0.0.1\"",

@@ -48,17 +48,15 @@ class SensorBusLogAtAWire : public testing::Test {
     }
 
     /// Answers the requests until the log says this at a look at `now`. Returns false if it says
-    /// first that the sensor is gone: a busy machine answers too late.
+    /// too that the sensor is gone: a busy machine answers too late.
     bool says(const std::string& line, const Answers& answers, Instant now) {
         const Instant patience = monotonic_now() + 10s;
         const std::size_t before = said().size();
         const auto has = [&](const std::string& text) {
             return said().find(text, before) != std::string::npos;
         };
-        while (!has(line + "\n")) {
-            if (has("is gone") || has("no longer answers")) {
-                return false;
-            }
+        const auto is_gone = [&] { return has("is gone") || has("no longer answers"); };
+        while (!has(line + "\n") && !is_gone()) {
             if (monotonic_now() > patience) {
                 ADD_FAILURE() << line << "\nwas not said, but\n" << said();
                 return true;
@@ -67,7 +65,7 @@ class SensorBusLogAtAWire : public testing::Test {
             log_->look(*appliance_, now);
             std::this_thread::sleep_for(1ms);
         }
-        return true;
+        return !is_gone();
     }
     /// The same of lines, one after the other, each with its answers. Begins anew if the sensor is
     /// gone in between.

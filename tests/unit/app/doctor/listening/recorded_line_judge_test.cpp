@@ -11,7 +11,7 @@
 #include "tests/captures/recordings.h"
 #include "tests/support/recorded_lines.h"
 
-/// What doctor hears of recorded receivers, or of their twins.
+/// The judge of a line at recorded receivers, and at their twins.
 namespace tribus::doctor::recorded_line_judge_test {
 namespace {
 

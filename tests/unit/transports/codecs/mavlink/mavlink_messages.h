@@ -9,8 +9,7 @@
 /// Messages of MAVLink, made without the code of the program.
 namespace tribus::test {
 
-// Vectors of docs/protocols/mavlink.md, whose CRCs come from
-// another program.
+// Vectors of docs/protocols/mavlink.md, whose CRCs come from another program.
 inline constexpr std::string_view kOverride =
     "fd22000000ffbe460000dc05dc05e803dc05e803e803d007dc0501014c04b00414057805dc054006a4060807c954";
 inline constexpr std::string_view kOverride1 =
