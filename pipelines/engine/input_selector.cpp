@@ -45,7 +45,7 @@ Duration InputSelector::proof(const Voter& voter, const LinkSupervisor& link) co
 bool InputSelector::serves(Voter& voter, const LinkSupervisor& link, Instant now, Instant until,
                            bool bridging) const {
     const bool served = voter.served && voter.absences == link.absences();
-    const bool trusted = (bridging && served) || now - link.run_start() >= proof(voter, link);
+    const bool trusted = (bridging && served) || link.has_proved(proof(voter, link), now);
     voter.serves = trusted && link.alive(until);
     if (voter.serves) {
         voter.absences = link.absences();

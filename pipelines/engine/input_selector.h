@@ -18,12 +18,12 @@ namespace tribus {
 /// Selects the input that controls an output, or combines all inputs. Thread-bound. No allocation
 /// after construction.
 ///
-/// An input that was lost gets control again after good frames without interruption for `recover`,
-/// unless the output is still holding values. An input that was never good needs `power_on`
-/// instead. An outvoted input is not used in median mode, not even as the only one.
+/// An input that was lost gets control again after a run of good frames (LinkSupervisor) for
+/// `recover`, unless the output is still holding values. An input that was never good needs
+/// `power_on` instead. An outvoted input is not used in median mode, not even as the only one.
 class InputSelector {
   public:
-    /// `recover`: time of uninterrupted good frames before a lost input is used again. `power_on`:
+    /// `recover`: length of the run of good frames before a lost input is used again. `power_on`:
     /// the same for an input that was never good before.
     InputSelector(SelectionSettings settings, Duration recover, Duration power_on);
 
@@ -79,7 +79,7 @@ class InputSelector {
 
     bool select_one(Instant now, Instant until, std::span<const Input> inputs, bool bridging);
     bool take_only(Instant now, Instant until, const Input& input, bool bridging);
-    /// Required time of uninterrupted good frames.
+    /// Required length of the run of good frames.
     Duration proof(const Voter& voter, const LinkSupervisor& link) const;
     bool serves(Voter& voter, const LinkSupervisor& link, Instant now, Instant until,
                 bool bridging) const;

@@ -195,11 +195,12 @@ void LinkSupervisor::accept(const ChannelFrame& frame, Instant now) {
         ++runs_;
         lost_before_run_ = ever_good_ ? lost_at() : now;
     }
-    // A frame-lost mark interrupts the run that recovery needs, although the link was not lost.
-    if (was_lost || run_broken_) {
+    if (was_lost || (may_outlive_ && now - good_.received > settings_.timeout)) {
         run_start_ = frame.has_all_of(good_) || !ever_good_ ? now : fewer_since_;
+        run_frames_ = 0;
     }
-    run_broken_ = false;
+    ++run_frames_;
+    may_outlive_ = false;
     radio_lost_ = false;
     channels_missing_ = false;
     ever_good_ = true;
@@ -208,7 +209,6 @@ void LinkSupervisor::accept(const ChannelFrame& frame, Instant now) {
 }
 
 [[gnu::noinline]] void LinkSupervisor::refuse(Verdict verdict, Instant now) {
-    run_broken_ = true;
     good_.frame_lost = true;
     if (verdict.kind == Kind::radio_lost) {
         if (!radio_lost_) {
@@ -225,6 +225,7 @@ void LinkSupervisor::accept(const ChannelFrame& frame, Instant now) {
     } else if (verdict.kind == Kind::frame_lost && settings_.frame_lost_run && now < expires_) {
         // Frames still arrive. A link that is lost already stays lost.
         expires_ = std::min(now + settings_.timeout, good_.received + *settings_.frame_lost_run);
+        may_outlive_ = true;
     }
 }
 

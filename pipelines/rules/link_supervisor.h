@@ -65,8 +65,16 @@ class LinkSupervisor {
     /// When a link that is alive will be lost if no frame follows.
     Instant alive_until() const { return expires_; }
     bool ever_good() const { return ever_good_; }
-    /// Start of the uninterrupted run of good frames.
+    /// Start of the run of good frames: the time in which the newest good frame was never older
+    /// than the timeout. Frames that are marked frame-lost, or are not plausible, do not end it.
     Instant run_start() const { return run_start_; }
+    /// Whether that run has proved the link at `now`: it has lasted for `proof`, with three good
+    /// frames or more. Without a `proof` there is nothing to prove.
+    bool has_proved(Duration proof, Instant now) const {
+        return now - run_start_ >= proof &&
+               (proof == Duration::zero() ||
+                (run_frames_ >= kProofFrames && now - good_.received <= settings_.timeout));
+    }
     /// True while the link was never lost after its first good frame: there is nothing to recover
     /// from.
     bool first_run() const { return runs_ <= 1; }
@@ -99,6 +107,8 @@ class LinkSupervisor {
     LinkState state_without_frames(Instant now) const;
 
     static constexpr std::size_t kRatioFrames = 100;
+    /// Fewer good frames in a run may be chance.
+    static constexpr std::uint64_t kProofFrames = 3;
 
     SupervisionSettings settings_;
     const DecoderReport* decoder_ = nullptr;
@@ -108,6 +118,7 @@ class LinkSupervisor {
     std::size_t next_mark_ = 0;
     std::size_t lost_count_ = 0;
     std::uint64_t runs_ = 0;
+    std::uint64_t run_frames_ = 0;  ///< good frames of the present run
     std::uint64_t absences_ = 0;
 
     /// When the good frame becomes too old if no other frame follows.
@@ -131,7 +142,8 @@ class LinkSupervisor {
     Instant bytes_since_{};  ///< start of the bytes after the latest silence
 
     bool ever_good_ = false;
-    bool run_broken_ = true;
+    /// Marked frames may keep the link alive although the good frame is older than the timeout.
+    bool may_outlive_ = false;
     bool radio_lost_ = false;
     bool channels_missing_ = false;
     bool ever_frame_ = false;

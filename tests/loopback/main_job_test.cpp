@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstdint>
 #include <set>
 #include <vector>
 
@@ -9,12 +10,20 @@
 namespace tribus::test::main_job_test {
 namespace {
 
-/// Sends `bytes` once and returns what the servos see until a good frame has these channels.
+enum class Sending : std::uint8_t { once, again_and_again };
+
+/// Sends `bytes` and returns what the servos see until a good frame has these channels. One frame
+/// alone gives no control at the start.
 std::vector<SbusSight> send_and_collect(FarEnd& receiver, const Bytes& bytes, ServoBank& servos,
-                                        const SbusSight& wanted) {
+                                        const SbusSight& wanted,
+                                        Sending sending = Sending::again_and_again) {
     std::vector<SbusSight> seen;
-    EXPECT_TRUE(receiver.send(bytes));
+    Repeater repeater(receiver, bytes);
+    repeater.send_if_due();
     EXPECT_TRUE(eventually([&] {
+        if (sending == Sending::again_and_again) {
+            repeater.send_if_due();
+        }
         for (const SbusSight& sight : servos.listen()) {
             seen.push_back(sight);
         }
@@ -100,8 +109,8 @@ TEST_F(Loopback, OfABurstTheNewestFrameComesOutAndNoneIsQueued) {
         const Bytes frame = ibus_bytes(sticks_with_first(first));
         burst.insert(burst.end(), frame.begin(), frame.end());
     }
-    const std::vector<SbusSight> seen =
-        send_and_collect(receiver, burst, servos, sbus_sight_of(sticks_with_first(1600)));
+    const std::vector<SbusSight> seen = send_and_collect(
+        receiver, burst, servos, sbus_sight_of(sticks_with_first(1600)), Sending::once);
     std::set<int> older;
     for (const SbusSight& sight : seen) {
         older.insert(sight.raw[0]);

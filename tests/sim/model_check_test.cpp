@@ -34,6 +34,7 @@ constexpr Duration kStep = std::chrono::milliseconds(10);
 constexpr int kTimeoutSteps = 3;
 constexpr int kHoldSteps = 1;
 constexpr int kRecoverSteps = 1;
+constexpr int kProofFrames = 3;
 /// A frame counts until the next one, so losses are judged a period ahead. The output's own tick is
 /// up to a period after the event.
 constexpr int kPeriodSteps = 1;
@@ -123,7 +124,11 @@ class Known {
     void take(Act act) {
         ++since_good_;
         ++since_frame_;
-        good_run_ = act == Act::good ? good_run_ + 1 : 0;
+        ++since_first_;
+        if (since_good_ >= kTimeoutSteps) {
+            end_run();
+        }
+        run_steps_ += run_frames_ > 0 ? 1 : 0;
         if (act == Act::silence) {
             return;
         }
@@ -132,27 +137,54 @@ class Known {
         lost_run_ = act == Act::frame_lost ? lost_run_ + 1 : 0;
         // An SBUS decoder accepts its first frame only when the second one proves it.
         ++frames_;
-        const bool first_is_proven = frames_ == 2 && first_was_good_;
-        first_was_good_ = frames_ == 1 ? act == Act::good : first_was_good_;
-        if ((act == Act::good && frames_ > 1) || first_is_proven) {
+        if (frames_ == 1) {
+            first_was_good_ = act == Act::good;
+            since_first_ = 0;
+            return;
+        }
+        if (frames_ == 2 && first_was_good_) {
+            since_good_ = since_first_;
+            ++run_frames_;
+        }
+        if (since_good_ >= kTimeoutSteps) {
+            end_run();
+        }
+        if (act == Act::good) {
             since_good_ = 0;
+            ++run_frames_;
+        }
+        if (act == Act::failsafe) {
+            end_run();
         }
     }
     int since_good() const { return since_good_; }
-    int good_run() const { return good_run_; }
+    /// Whether its run is so long that it must be in control: it has three good frames, never one
+    /// that was older than the timeout, and lasts for `recover`.
+    bool is_back() const {
+        return run_frames_ >= kProofFrames && run_steps_ > kRecoverSteps + 2 * kPeriodSteps &&
+               since_good_ + kPeriodSteps < kTimeoutSteps;
+    }
     bool says_failsafe() const { return says_failsafe_; }
     /// Text that differs between any two states that an observer can tell apart.
     std::string key() const {
         constexpr int kCap = kTimeoutSteps + kHoldSteps + kRecoverSteps + 2 * kPeriodSteps;
-        return fmt::format("{},{},{},{},{},{};", std::min(since_good_, kCap),
-                           std::min(since_frame_, kCap), std::min(good_run_, kCap),
-                           std::min(lost_run_, kCap), says_failsafe_, std::min(frames_, 3));
+        return fmt::format("{},{},{},{},{},{},{};", std::min(since_good_, kCap),
+                           std::min(since_frame_, kCap), std::min(run_steps_, kCap),
+                           std::min(run_frames_, kProofFrames), std::min(lost_run_, kCap),
+                           says_failsafe_, std::min(frames_, 3));
     }
 
   private:
+    void end_run() {
+        run_steps_ = 0;
+        run_frames_ = 0;
+    }
+
     int since_good_ = 1000;
     int since_frame_ = 1000;
-    int good_run_ = 0;  ///< good frames in a row, none missing, none marked
+    int since_first_ = 0;
+    int run_steps_ = 0;   ///< since the first good frame of the run
+    int run_frames_ = 0;  ///< good frames of the run
     int lost_run_ = 0;
     int frames_ = 0;
     bool first_was_good_ = false;
@@ -175,9 +207,7 @@ void check(const Seen& seen, const std::vector<Known>& known, int step) {
         EXPECT_EQ(seen.stage, OutputStage::failsafe) << "held for longer than hold";
     }
     constexpr int kInStep = 3;
-    const bool one_is_back = std::ranges::any_of(known, [](const Known& input) {
-        return input.good_run() > kRecoverSteps + 2 * kPeriodSteps;
-    });
+    const bool one_is_back = std::ranges::any_of(known, &Known::is_back);
     if (one_is_back && step > kInStep + kRecoverSteps + kPeriodSteps) {
         EXPECT_EQ(seen.stage, OutputStage::control) << "a good input is not in control";
     }

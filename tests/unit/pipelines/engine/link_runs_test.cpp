@@ -8,15 +8,48 @@ namespace {
 
 constexpr PulseRange kUsual{Pulse::from_microseconds(900), Pulse::from_microseconds(2100)};
 
-TEST(LinkRun, begins_anew_behind_a_single_frame_that_is_marked_frame_lost) {
-    const Link link = Link().moving(70ms).same(77ms, frame_lost(sticks())).moving(140ms);
-    EXPECT_EQ(link.supervisor().run_start(), at(77ms));
+TEST(LinkRun, goes_on_over_frames_that_are_marked_frame_lost) {
+    const Link link = Link().moving(70ms).same(140ms, frame_lost(sticks())).moving(210ms);
+    EXPECT_EQ(link.supervisor().run_start(), at(0ms));
 }
 
-TEST(LinkRun, begins_anew_behind_a_single_implausible_frame) {
+TEST(LinkRun, goes_on_over_frames_that_are_not_plausible) {
     const Link link =
-        Link({.plausible = kUsual}).moving(70ms).same(77ms, sticks(2101)).moving(140ms);
-    EXPECT_EQ(link.supervisor().run_start(), at(77ms));
+        Link({.plausible = kUsual}).moving(70ms).same(140ms, sticks(2101)).moving(210ms);
+    EXPECT_EQ(link.supervisor().run_start(), at(0ms));
+}
+
+TEST(LinkRun, begins_anew_where_the_good_frame_becomes_older_than_the_timeout) {
+    // The good frame of 63 ms is too old from 163 ms on.
+    const Link link = Link().moving(70ms).same(161ms, frame_lost(sticks())).moving(300ms);
+    EXPECT_EQ(link.supervisor().run_start(), at(0ms));
+    const Link later = Link().moving(70ms).same(168ms, frame_lost(sticks())).moving(300ms);
+    EXPECT_EQ(later.supervisor().run_start(), at(168ms));
+}
+
+TEST(LinkRun, begins_anew_there_although_marked_frames_keep_the_link) {
+    const SupervisionSettings settings{.frame_lost_run = 500ms};
+    const Link link = Link(settings).moving(70ms).same(273ms, frame_lost(sticks())).moving(350ms);
+    EXPECT_TRUE(link.supervisor().first_run()) << "it was never lost";
+    EXPECT_EQ(link.supervisor().run_start(), at(273ms));
+    const Link soon = Link(settings).moving(70ms).same(84ms, frame_lost(sticks())).moving(350ms);
+    EXPECT_EQ(soon.supervisor().run_start(), at(0ms));
+}
+
+TEST(LinkRun, proves_a_link_with_three_good_frames_and_no_fewer) {
+    Link link = Link().same(7ms, sticks()).same(70ms, frame_lost(sticks())).same(77ms, sticks());
+    EXPECT_FALSE(link.supervisor().has_proved(50ms, at(77ms))) << "two good frames";
+    EXPECT_TRUE(link.supervisor().has_proved(0ms, at(77ms))) << "nothing has to be proved";
+    link.same(84ms, sticks());
+    EXPECT_TRUE(link.supervisor().has_proved(77ms, at(77ms)));
+    EXPECT_FALSE(link.supervisor().has_proved(78ms, at(77ms)));
+}
+
+TEST(LinkRun, proves_nothing_while_the_good_frame_is_older_than_the_timeout) {
+    const Link link =
+        Link({.frame_lost_run = 500ms}).moving(70ms).same(170ms, frame_lost(sticks()));
+    EXPECT_TRUE(link.supervisor().has_proved(50ms, at(163ms)));
+    EXPECT_FALSE(link.supervisor().has_proved(50ms, at(163ms + 1ns)));
 }
 
 TEST(LinkCause, of_a_loss_that_goes_on_is_radio_lost_since_its_first_frame) {
