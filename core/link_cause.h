@@ -21,14 +21,16 @@ enum class LinkCause : std::uint8_t {
     forged,            ///< messages that nobody with the key has made
     replayed,          ///< messages of the key's holder, but not new ones
     late,              ///< frames whose values are older than the timeout when they come
+    unproved,          ///< good frames, but no output can use them yet. Never sent on a bus
 };
-inline constexpr std::size_t kLinkCauseCount = 12;
+inline constexpr std::size_t kLinkCauseCount = 13;
 
 /// Text for users, such as "radio lost".
 constexpr std::string_view name_of(LinkCause cause) {
     constexpr std::array<std::string_view, kLinkCauseCount> kNames{
-        "good",        "never seen",       "wire silent", "garbled", "radio lost", "stale",
-        "implausible", "channels missing", "no key",      "forged",  "replayed",   "late"};
+        "good",     "never seen",  "wire silent",      "garbled", "radio lost",
+        "stale",    "implausible", "channels missing", "no key",  "forged",
+        "replayed", "late",        "unproved"};
     return kNames[static_cast<std::size_t>(cause)];
 }
 

@@ -50,6 +50,8 @@ std::string_view how_it_shows(const LinkState& state) {
             return "messages of the key's holder that are not new";
         case LinkCause::late:
             return "values that are too old when they come";
+        case LinkCause::unproved:
+            return "good frames that no output can use yet";
     }
     return "";
 }
@@ -125,8 +127,20 @@ std::string by_preset_text(std::uint32_t channels) {
             : "send their presets: the channels that they are mapped from are absent");
 }
 
-std::string cause_text(const LinkState& state) {
-    const std::string_view shown = how_it_shows(state);
+std::string implausible_text(const ImplausibleFrames& implausible) {
+    const std::size_t channel = implausible.channel + 1;
+    if (!implausible.plausible) {
+        return fmt::format("channel {} has the raw value 0, which means \"no value\"", channel);
+    }
+    return fmt::format("channel {} is at {} us, plausible are {} to {} us", channel,
+                       implausible.pulse.microseconds(), implausible.plausible->low.microseconds(),
+                       implausible.plausible->high.microseconds());
+}
+
+std::string cause_text(const LinkState& state, const ImplausibleFrames& implausible) {
+    const bool named = state.cause == LinkCause::implausible && implausible.frames > 0;
+    const std::string shown =
+        named ? implausible_text(implausible) : std::string(how_it_shows(state));
     return shown.empty() ? std::string(name_of(state.cause))
                          : fmt::format("{} ({})", name_of(state.cause), shown);
 }

@@ -163,9 +163,9 @@ void ServiceNotify::tell_status(const Appliance& appliance, Instant now) {
     for (std::size_t i = 0; i < appliance.configuration().inputs.size(); ++i) {
         inputs.push_back(appliance.input_status(i).state);
     }
-    std::vector<OutputState> outputs;
+    std::vector<OutputStatus> outputs;
     for (std::size_t i = 0; i < appliance.configuration().outputs.size(); ++i) {
-        outputs.push_back(appliance.output_status(i).state);
+        outputs.push_back(appliance.output_status(i));
     }
     std::string text = status_->text(inputs, outputs, now);
     if (text != sent_status_ && socket_.send("STATUS=" + text)) {

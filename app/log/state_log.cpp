@@ -85,6 +85,10 @@ void StateLog::look_at_input(const std::string& name, const InputStatus& status,
         const LogFields fields({"TRIBUS_INPUT", name});
         log_warning("input {}: {}", name, kTwoSendersText);
     }
+    // What such an input lacks is told of the output that waits for it.
+    if (status.state.cause == LinkCause::unproved) {
+        return;
+    }
     const auto swallowed = memory.cause.look(status.state.cause, memory.limit, now);
     if (!swallowed) {
         return;
@@ -93,7 +97,24 @@ void StateLog::look_at_input(const std::string& name, const InputStatus& status,
     const LogFields fields({"TRIBUS_INPUT", name}, {"TRIBUS_CAUSE", cause});
     const bool good = status.state.cause == LinkCause::good;
     log_at(good ? LogLevel::info : LogLevel::warning, "input {}: {}{}", name,
-           cause_text(status.state), swallowed_note(*swallowed));
+           cause_text(status.state, status.implausible), swallowed_note(*swallowed));
+}
+
+/// Frames among good ones. If none is good, the cause says it.
+void StateLog::look_at_implausible(const std::string& name, const InputStatus& status,
+                                   InputMemory& memory, Instant now) {
+    const ImplausibleFrames& implausible = status.implausible;
+    if (status.state.cause == LinkCause::implausible || implausible.frames < memory.implausible) {
+        memory.implausible = implausible.frames;
+    }
+    if (implausible.frames == memory.implausible || !memory.implausible_limit.pass(now)) {
+        return;
+    }
+    const LogFields fields({"TRIBUS_INPUT", name});
+    log_warning("input {}: {} not plausible and ignored: {}", name,
+                counted(implausible.frames - memory.implausible, "frame"),
+                implausible_text(implausible));
+    memory.implausible = implausible.frames;
 }
 
 /// While the input is good: else its cause says it.
@@ -138,8 +159,8 @@ void StateLog::log_missing_signal(const std::string& name, const InputStatus& st
                     advice.counts.empty() ? "" : counted(count, advice.counts) + " ",
                     advice.no_frame, doctor);
     } else {
-        log_warning("input {}: frames arrive, but {}; {}", name, cause_text(status.state),
-                    advice.not_good);
+        log_warning("input {}: frames arrive, but {}; {}", name,
+                    cause_text(status.state, status.implausible), advice.not_good);
     }
 }
 
@@ -158,30 +179,40 @@ std::string StateLog::outvoted_names(std::uint32_t outvoted,
 void StateLog::look_at_output(const std::string& name, const OutputStatus& status,
                               std::span<const std::size_t> places, OutputMemory& memory,
                               Instant now) {
+    const bool same_stage = memory.state && memory.state->stage == status.state.stage;
+    const std::string& awaited =
+        memory.awaited.look(wait_key(status.wait, input_names_), memory.state && !same_stage, now);
     // Nearly always nothing has changed, and nothing waits to be logged.
-    if (status.state != memory.state || memory.word.seen() != memory.word.reported()) {
+    if (status.state != memory.state || awaited != memory.word.seen().awaited ||
+        memory.word.seen() != memory.word.reported()) {
         memory.state = status.state;
-        look_at_state(name, status, places, memory, now);
+        look_at_state(name, status, places, awaited, memory, now);
     }
     look_at_drops(name, status, memory, now);
 }
 
 void StateLog::look_at_state(const std::string& name, const OutputStatus& status,
-                             std::span<const std::size_t> places, OutputMemory& memory,
-                             Instant now) {
+                             std::span<const std::size_t> places, const std::string& awaited,
+                             OutputMemory& memory, Instant now) {
     const LogFields fields({"TRIBUS_OUTPUT", name},
                            {"TRIBUS_STATE", output_state_word(status.state.stage, status.sends)});
     const OutputWord word{.state = output_text(status.state, input_names_),
-                          .outvoted = outvoted_names(status.state.outvoted, places)};
+                          .outvoted = outvoted_names(status.state.outvoted, places),
+                          .awaited = awaited};
     const bool same_votes = word.outvoted == memory.word.reported().outvoted;
+    const bool same_state = word.state == memory.word.reported().state;
     if (const auto swallowed = memory.word.look(word, memory.limit, now)) {
         const bool fine = status.state.stage == OutputStage::control && word.outvoted.empty();
         const std::string votes = same_votes ? ""
                                   : word.outvoted.empty()
                                       ? "; its inputs agree again"
                                       : "; outvoted by the others: " + word.outvoted;
-        log_at(fine ? LogLevel::info : LogLevel::warning, "output {}: {}{}{}", name, word.state,
-               votes, swallowed_note(*swallowed));
+        const std::string text =
+            same_state && !awaited.empty()
+                ? "waits for " + wait_text(status.state, status.wait, input_names_)
+                : output_sentence(status.state, status.wait, input_names_);
+        log_at(fine ? LogLevel::info : LogLevel::warning, "output {}: {}{}{}", name, text, votes,
+               swallowed_note(*swallowed));
     }
     if ((status.state.by_preset & ~memory.presets_logged) != 0) {
         log_warning("output {}: {}", name, by_preset_text(status.state.by_preset));
@@ -293,6 +324,7 @@ void StateLog::look(Appliance& appliance, Instant now) {
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
         const InputStatus status = appliance.input_status(i);
         look_at_input(configuration.inputs[i].name, status, inputs_[i], now);
+        look_at_implausible(configuration.inputs[i].name, status, inputs_[i], now);
         look_at_unproved(configuration.inputs[i].name, status, inputs_[i], now);
         const std::size_t port = port_of(appliance, input_station(i));
         if (appliance.port_present(port)) {

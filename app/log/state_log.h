@@ -11,6 +11,7 @@
 
 #include "app/appliance/appliance.h"
 #include "app/cli/cause_text.h"
+#include "app/cli/wait_text.h"
 #include "app/journal/log_limit.h"
 #include "app/log/can_report.h"
 #include "app/log/node_log.h"
@@ -50,17 +51,23 @@ class StateLog {
         std::vector<std::size_t> unproved_causes{};
         std::uint64_t unproved = 0;
         RateLimit unproved_limit{1, std::chrono::minutes(1)};
+        std::uint64_t implausible = 0;
+        RateLimit implausible_limit{1, std::chrono::minutes(1)};
     };
     /// Holds names, not indices: another configuration may number the inputs differently.
     struct OutputWord {
         std::string state;
         std::string outvoted;
+        /// What it waits for; see `wait_key`.
+        std::string awaited;
         bool operator==(const OutputWord&) const = default;
     };
     struct OutputMemory {
         /// As looked at last.
         std::optional<OutputState> state;
-        ChangeReport<OutputWord> word{OutputWord{.state = output_text({}, {}), .outvoted = ""}};
+        WaitWatch awaited{};
+        ChangeReport<OutputWord> word{
+            OutputWord{.state = output_text({}, {}), .outvoted = "", .awaited = ""}};
         /// The bits of `OutputState::by_preset` that were logged already.
         std::uint32_t presets_logged = 0;
         std::uint64_t busy_drops = 0;
@@ -85,13 +92,16 @@ class StateLog {
     void look_at_devices(Appliance& appliance, Instant now);
     void look_at_input(const std::string& name, const InputStatus& status, InputMemory& memory,
                        Instant now);
+    static void look_at_implausible(const std::string& name, const InputStatus& status,
+                                    InputMemory& memory, Instant now);
     static void look_at_unproved(const std::string& name, const InputStatus& status,
                                  InputMemory& memory, Instant now);
     void look_at_output(const std::string& name, const OutputStatus& status,
                         std::span<const std::size_t> places, OutputMemory& memory, Instant now);
     std::string outvoted_names(std::uint32_t outvoted, std::span<const std::size_t> places) const;
     void look_at_state(const std::string& name, const OutputStatus& status,
-                       std::span<const std::size_t> places, OutputMemory& memory, Instant now);
+                       std::span<const std::size_t> places, const std::string& awaited,
+                       OutputMemory& memory, Instant now);
     void look_at_answers(const OutputConfig& output, const OutputStatus& status,
                          OutputMemory& memory) const;
     void look_at_drops(const std::string& name, const OutputStatus& status, OutputMemory& memory,

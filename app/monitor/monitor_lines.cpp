@@ -84,9 +84,12 @@ std::string output_state(const Json& output) {
     if (state == "control" && !input.empty()) {
         return "control of " + input;
     }
-    return words(state) + (status_fields::flag(output, "forced")           ? ", forced"
-                           : status_fields::flag(output, "awaits_release") ? ", awaits release"
-                                                                           : "");
+    return words(state);
+}
+
+std::string awaited_text(const Json& output) {
+    const std::string awaited = status_fields::text(output, "waits_for");
+    return awaited.empty() ? "" : "waits for " + awaited;
 }
 
 std::string output_line(const Json& output, bool selected, bool old, const ScreenStyle& style) {
@@ -96,6 +99,9 @@ std::string output_line(const Json& output, bool selected, bool old, const Scree
     line.add(padded(status_fields::text(output, "protocol"), 8), kDim);
     line.add(padded(output_state(output), 22),
              old ? kDim : colour_of(status_fields::text(output, "state")));
+    if (const std::string awaited = awaited_text(output); !awaited.empty()) {
+        line.add(awaited + "  ", old ? kDim : "");
+    }
     line.add(rate(output));
     const Json& lateness = status_fields::field(output, "lateness");
     line.add(fmt::format("  late {} p99 {}", short_duration(us_of(lateness, "p50_us")),

@@ -19,6 +19,8 @@ std::string_view colour_of(const std::string& state);
 /// The state of an input or output in words.
 std::string input_state(const Json& input);
 std::string output_state(const Json& output);
+/// "waits for receiver: never seen". Empty for an output in control.
+std::string awaited_text(const Json& output);
 
 /// `old`: the figures are out of date and shown dimmed.
 std::string input_line(const Json& input, bool selected, bool old, const ScreenStyle& style);

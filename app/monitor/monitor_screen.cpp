@@ -290,8 +290,9 @@ std::string monitor_line(const MonitorView& view) {
     }
     for (const Json& output : status_fields::list(view.status, "outputs")) {
         text +=
-            fmt::format("  {} {} {:.1f}/s late {}", status_fields::text(output, "name"),
-                        output_state(output), status_fields::number(output, "rate_hz").value_or(0),
+            fmt::format("  {} {}{}{} {:.1f}/s late {}", status_fields::text(output, "name"),
+                        output_state(output), awaited_text(output).empty() ? "" : ", ",
+                        awaited_text(output), status_fields::number(output, "rate_hz").value_or(0),
                         short_duration(us_of(status_fields::field(output, "lateness"), "p99_us")));
     }
     return text;

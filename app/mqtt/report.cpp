@@ -75,6 +75,7 @@ OrderedJson outputs_json(const Json& status) {
         json[raw_text(output, "name")] = {{"state", raw_text(output, "state")},
                                           {"input", text_or_null(output, "input")},
                                           {"obstacle", text_or_null(output, "obstacle")},
+                                          {"waits_for", text_or_null(output, "waits_for")},
                                           {"rate_hz", number_or_null(output, "rate_hz")}};
     }
     return json;

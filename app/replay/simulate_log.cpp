@@ -24,43 +24,64 @@ SimulateLog::SimulateLog(const Engine& engine)
     : engine_(engine),
       causes_(engine.inputs().size(), LinkCause::never_seen),
       two_senders_printed_(engine.inputs().size()),
-      states_(engine.outputs().size()),
-      outputs_(engine.outputs().size(), output_text({}, {})),
+      outputs_(engine.outputs().size()),
       presets_printed_(engine.outputs().size()) {
     for (const Input& input : engine.inputs()) {
         input_names_.push_back(input.name());
     }
 }
 
+void SimulateLog::look_at_input(std::size_t index, Instant now) {
+    const Input& input = engine_.inputs()[index];
+    if (input.state().cause != causes_[index]) {
+        const LinkState state = engine_.input_state(index, now);
+        // What such an input lacks is told of the output that waits for it.
+        if (state.cause != LinkCause::unproved) {
+            causes_[index] = state.cause;
+            print_change(now, "input", input_names_[index],
+                         cause_text(state, input.link().implausible()));
+        }
+    }
+    if (input.decoder().two_senders() && !two_senders_printed_[index]) {
+        two_senders_printed_[index] = true;
+        print_change(now, "input", input_names_[index], kTwoSendersText);
+    }
+}
+
+void SimulateLog::look_at_output(std::size_t index, Instant now) {
+    const Output& output = engine_.outputs()[index];
+    OutputMemory& memory = outputs_[index];
+    const OutputState state = output.state(now);
+    const OutputWait wait = engine_.wait(index, now);
+    const bool stage_changed = memory.state && memory.state->stage != state.stage;
+    const std::string& awaited =
+        memory.awaited.look(wait_key(wait, input_names_), stage_changed, now);
+    if (state == memory.state && awaited == memory.awaited_printed) {
+        return;
+    }
+    memory.state = state;
+    std::string text = output_text(state, input_names_);
+    if (text != memory.text || awaited != memory.awaited_printed) {
+        const bool same_state = text == memory.text && !awaited.empty();
+        memory.text = std::move(text);
+        memory.awaited_printed = awaited;
+        print_change(now, "output", output.name(),
+                     same_state ? "waits for " + wait_text(state, wait, input_names_)
+                                : output_sentence(state, wait, input_names_));
+    }
+    if ((state.by_preset & ~presets_printed_[index]) != 0) {
+        presets_printed_[index] |= state.by_preset;
+        print_change(now, "output", output.name(), by_preset_text(state.by_preset));
+    }
+}
+
 void SimulateLog::look(Instant now) {
     for (std::size_t i = 0; i < causes_.size(); ++i) {
-        const Input& input = engine_.inputs()[i];
-        if (input.state().cause != causes_[i]) {
-            causes_[i] = input.state().cause;
-            print_change(now, "input", input_names_[i], cause_text(input.state()));
-        }
-        if (input.decoder().two_senders() && !two_senders_printed_[i]) {
-            two_senders_printed_[i] = true;
-            print_change(now, "input", input_names_[i], kTwoSendersText);
-        }
+        look_at_input(i, now);
     }
     // The state of an output changes only when it runs.
     for (const std::size_t i : engine_.ran()) {
-        const Output& output = engine_.outputs()[i];
-        const OutputState state = output.state(now);
-        if (state == states_[i]) {
-            continue;
-        }
-        states_[i] = state;
-        std::string text = output_text(state, input_names_);
-        if (text != outputs_[i]) {
-            outputs_[i] = std::move(text);
-            print_change(now, "output", output.name(), outputs_[i]);
-        }
-        if ((state.by_preset & ~presets_printed_[i]) != 0) {
-            presets_printed_[i] |= state.by_preset;
-            print_change(now, "output", output.name(), by_preset_text(state.by_preset));
-        }
+        look_at_output(i, now);
     }
 }
 

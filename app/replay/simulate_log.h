@@ -1,9 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "app/cli/cause_text.h"
+#include "app/cli/wait_text.h"
 #include "core/time.h"
 #include "pipelines/engine/engine.h"
 #include "pipelines/rules/link_supervisor.h"
@@ -22,9 +25,18 @@ class SimulateLog {
     std::vector<std::string> input_names_;
     std::vector<LinkCause> causes_;
     std::vector<bool> two_senders_printed_;
-    /// The latest states, and their texts.
-    std::vector<OutputState> states_;
-    std::vector<std::string> outputs_;
+    struct OutputMemory {
+        std::optional<OutputState> state;
+        WaitWatch awaited{};
+        /// What was printed.
+        std::string text = output_text({}, {});
+        std::string awaited_printed{};
+    };
+
+    void look_at_input(std::size_t index, Instant now);
+    void look_at_output(std::size_t index, Instant now);
+
+    std::vector<OutputMemory> outputs_;
     std::vector<std::uint32_t> presets_printed_;
 };
 

@@ -78,6 +78,8 @@ constexpr std::array kInputCounters{
                          [](const InputStatus& status) { return status.counts.frame_lost_frames; }},
     Counter<InputStatus>{"input_failsafe_frames_total", "Frames marked failsafe.",
                          [](const InputStatus& status) { return status.counts.failsafe_frames; }},
+    Counter<InputStatus>{"input_implausible_frames_total", "Frames with implausible values.",
+                         [](const InputStatus& status) { return status.implausible.frames; }},
     Counter<InputStatus>{"input_skipped_bytes_total", "Bytes outside frames.",
                          [](const InputStatus& status) { return status.skipped_bytes; }},
     Counter<InputStatus>{"input_device_losses_total", "Times that the device vanished.",
@@ -140,13 +142,15 @@ void add_inputs(Text& text, const StatusReport& report) {
     }
     text.family("input_losses_total", "counter", "Times that the input was lost, by cause.");
     for (std::size_t i = 0; i < report.inputs.size(); ++i) {
-        for (std::size_t cause = 2; cause < kLinkCauseCount; ++cause) {
+        // The causes in front of these are no losses, and `unproved` is none either.
+        for (auto cause = static_cast<std::size_t>(LinkCause::wire_silent);
+             cause < static_cast<std::size_t>(LinkCause::unproved); ++cause) {
             const std::string word = as_word(name_of(static_cast<LinkCause>(cause)));
             text.sample({name(i), {"cause", word}},
                         count(report.inputs[i].status.counts.began[cause]));
         }
     }
-    text.family("input_good", "gauge", "1 while its frames count.");
+    text.family("input_good", "gauge", "1 while an output can use its frames.");
     for (std::size_t i = 0; i < report.inputs.size(); ++i) {
         text.sample({name(i)}, report.inputs[i].status.state.cause == LinkCause::good ? 1 : 0);
     }

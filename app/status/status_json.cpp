@@ -5,10 +5,13 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "app/cli/cause_text.h"
 #include "app/cli/object_text.h"
+#include "app/cli/wait_text.h"
 #include "app/status/metrics_text.h"
 #include "app/status/sensor_bus_json.h"
 #include "config/schema/choices.h"
@@ -80,6 +83,22 @@ OrderedJson rejected(const InputReport& input) {
     return json;
 }
 
+OrderedJson implausible(const ImplausibleFrames& implausible) {
+    OrderedJson json{{"frames", implausible.frames},
+                     {"channel", nullptr},
+                     {"us", nullptr},
+                     {"plausible_us", nullptr}};
+    if (implausible.frames > 0) {
+        json["channel"] = implausible.channel + 1;
+        json["us"] = number_json(implausible.pulse.microseconds());
+    }
+    if (const auto& range = implausible.plausible) {
+        json["plausible_us"] = {number_json(range->low.microseconds()),
+                                number_json(range->high.microseconds())};
+    }
+    return json;
+}
+
 OrderedJson losses(const InputCounts& counts) {
     OrderedJson json = OrderedJson::object();
     for (std::size_t cause = 0; cause < counts.began.size(); ++cause) {
@@ -103,6 +122,7 @@ OrderedJson input_json(const InputConfig& config, const InputReport& input, Inst
     json["state"] = input_state(status);
     json["cause"] = as_word(name_of(status.state.cause));
     json["sign"] = sign_word(status.state.sign);
+    json["text"] = cause_text(status.state, status.implausible);
     json["state_age_us"] =
         status.state.cause == LinkCause::never_seen ? OrderedJson() : age(status.state.since, now);
     json["rate_hz"] = number_json(std::round(input.rate_hz * 10) / 10);
@@ -115,6 +135,7 @@ OrderedJson input_json(const InputConfig& config, const InputReport& input, Inst
     json["frames"] = counts.frames;
     json["frame_lost_frames"] = counts.frame_lost_frames;
     json["failsafe_frames"] = counts.failsafe_frames;
+    json["implausible"] = implausible(status.implausible);
     json["skipped_bytes"] = status.skipped_bytes;
     json["device_losses"] = counts.device_losses;
     json["rejected"] = rejected(input);
@@ -160,6 +181,19 @@ const FailsafeSettings* failsafe_of(std::size_t output, const Configuration& con
     return nullptr;
 }
 
+std::vector<std::string> input_names(const Configuration& configuration) {
+    std::vector<std::string> names;
+    for (const InputConfig& input : configuration.inputs) {
+        names.push_back(input.name);
+    }
+    return names;
+}
+
+OrderedJson waits_for(const OutputStatus& status, std::span<const std::string> inputs) {
+    const std::string text = wait_text(status.state, status.wait, inputs);
+    return text.empty() ? OrderedJson() : OrderedJson(text);
+}
+
 OrderedJson output_json(std::size_t index, const OutputReport& output, const StatusReport& report) {
     const Configuration& configuration = *report.configuration;
     const OutputConfig& config = configuration.outputs[index];
@@ -171,6 +205,9 @@ OrderedJson output_json(std::size_t index, const OutputReport& output, const Sta
     json["inputs"] = names_of(output.inputs, configuration);
     json["state"] = output_state_word(status.state.stage, status.sends);
     json["obstacle"] = obstacle_word(status.state.obstacle);
+    const std::vector<std::string> inputs = input_names(configuration);
+    json["text"] = output_text(status.state, inputs);
+    json["waits_for"] = waits_for(status, inputs);
     const FailsafeSettings* const failsafe = failsafe_of(index, configuration);
     json["hold_us"] = failsafe == nullptr ? OrderedJson() : OrderedJson(us(failsafe->hold));
     json["action"] = failsafe == nullptr ? OrderedJson() : OrderedJson(word_of(failsafe->action));

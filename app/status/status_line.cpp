@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/cause_text.h"
+#include "app/cli/wait_text.h"
 
 namespace tribus {
 namespace {
@@ -77,19 +78,30 @@ StatusLine::StatusLine(std::vector<std::string> inputs, std::vector<std::string>
       output_names_(std::move(outputs)),
       since_(output_names_.size()) {}
 
+/// A lost input has its own part of the line.
+std::string StatusLine::said_of(const OutputStatus& output, Instant now, Instant since) const {
+    if (output.state.stage == OutputStage::control) {
+        return output_text(output.state, input_names_);
+    }
+    const std::string how_long = for_how_long(now - since);
+    const Awaited awaited = output.wait.awaited;
+    if (awaited == Awaited::nothing || awaited == Awaited::link) {
+        return output_text(output.state, input_names_) + how_long;
+    }
+    return fmt::format("{}{}; waits for {}", stage_text(output.state, input_names_), how_long,
+                       wait_text(output.state, output.wait, input_names_));
+}
+
 std::string StatusLine::text(std::span<const LinkState> inputs,
-                             std::span<const OutputState> outputs, Instant now) {
+                             std::span<const OutputStatus> outputs, Instant now) {
     std::vector<std::pair<int, std::string>> parts;
     for (std::size_t i = 0; i < outputs.size(); ++i) {
-        const OutputStage stage = outputs[i].stage;
+        const OutputStage stage = outputs[i].state.stage;
         if (since_[i].stage != stage) {
             since_[i] = {stage, now};
         }
-        const bool control = stage == OutputStage::control;
-        parts.emplace_back(
-            2 * urgency(stage),
-            fmt::format("{}: {}{}", output_names_[i], output_text(outputs[i], input_names_),
-                        control ? "" : for_how_long(now - since_[i].at)));
+        parts.emplace_back(2 * urgency(stage), fmt::format("{}: {}", output_names_[i],
+                                                           said_of(outputs[i], now, since_[i].at)));
     }
     for (std::size_t i = 0; i < inputs.size(); ++i) {
         const bool good = inputs[i].cause == LinkCause::good;

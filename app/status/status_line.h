@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/time.h"
-#include "pipelines/engine/output.h"
+#include "pipelines/realtime/loop.h"
 #include "pipelines/rules/link_supervisor.h"
 
 namespace tribus {
@@ -20,7 +20,7 @@ class StatusLine {
 
     /// Both lists are in the order of the names. Durations of a failsafe or loss are rounded down
     /// to steps, so that the line does not change all the time.
-    std::string text(std::span<const LinkState> inputs, std::span<const OutputState> outputs,
+    std::string text(std::span<const LinkState> inputs, std::span<const OutputStatus> outputs,
                      Instant now);
 
   private:
@@ -28,6 +28,8 @@ class StatusLine {
         std::optional<OutputStage> stage;
         Instant at{};
     };
+
+    std::string said_of(const OutputStatus& output, Instant now, Instant since) const;
 
     std::vector<std::string> input_names_;
     std::vector<std::string> output_names_;

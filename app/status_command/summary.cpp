@@ -33,6 +33,7 @@ Ordered input_of(const Json& input, bool old) {
     return {{"name", status_fields::field(input, "name")},
             {"good", !old && status_fields::raw_text(input, "cause") == "good"},
             {"cause", old ? Json(kUnknown) : status_fields::field(input, "cause")},
+            {"text", old ? Json(kUnknown) : status_fields::field(input, "text")},
             {"age_us", status_fields::field(input, "age_us")},
             {"times_lost", total(status_fields::field(input, "losses"))}};
 }
@@ -42,6 +43,7 @@ Ordered output_of(const Json& output, bool old) {
             {"state", old ? Json(kUnknown) : status_fields::field(output, "state")},
             {"obstacle", old ? Json() : status_fields::field(output, "obstacle")},
             {"input", old ? Json() : status_fields::field(output, "input")},
+            {"waits_for", old ? Json() : status_fields::field(output, "waits_for")},
             {"failsafe_entries", status_fields::count(output, "failsafe_entries")}};
 }
 
@@ -78,20 +80,23 @@ std::string first_line(const Json& summary) {
                        status_fields::text(summary, "fingerprint"));
 }
 
+/// A daemon of an older version gives the cause only.
 std::string input_words(const Json& input) {
     const bool ever = status_fields::number(input, "age_us").has_value();
+    const std::string text = status_fields::text(input, "text");
     return fmt::format(
-        "input {}: {}, {}", status_fields::text(input, "name"), status_fields::text(input, "cause"),
+        "input {}: {}, {}", status_fields::text(input, "name"),
+        text.empty() ? status_fields::text(input, "cause") : text,
         ever ? fmt::format("newest frame {} old", short_duration(monitor::us_of(input, "age_us")))
              : "no frame yet");
 }
 
 std::string output_words(const Json& output) {
     const std::string from = status_fields::text(output, "input");
-    const std::string obstacle = status_fields::text(output, "obstacle");
+    const std::string awaited = status_fields::text(output, "waits_for");
     return fmt::format("output {}: {}{}{}", status_fields::text(output, "name"),
                        status_fields::text(output, "state"), from.empty() ? "" : " from " + from,
-                       obstacle.empty() ? "" : " because of its " + obstacle);
+                       awaited.empty() ? "" : ", waits for " + awaited);
 }
 
 }  // namespace

@@ -72,6 +72,18 @@ void Engine::continue_from(Engine& before, const EngineCarry& carry, Instant now
     return frame_came;
 }
 
+LinkState Engine::input_state(std::size_t input, Instant now) const {
+    LinkState state = inputs_[input].state();
+    const bool of_use =
+        fed_by_[input].empty() || std::ranges::any_of(fed_by_[input], [&](std::size_t output) {
+            return outputs_[output].could_use(input, now, inputs_);
+        });
+    if (state.cause == LinkCause::good && !of_use) {
+        state.cause = LinkCause::unproved;
+    }
+    return state;
+}
+
 void Engine::was_away(Instant since, Instant now) {
     for (Input& input : inputs_) {
         input.was_away(since, now);

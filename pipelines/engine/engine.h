@@ -97,6 +97,14 @@ class Engine {
     /// The same for some of the outputs and nodes.
     Instant end(const Leaving& leaving, Instant now);
 
+    /// What an output waits for at `now` while no input is in control.
+    OutputWait wait(std::size_t output, Instant now) const {
+        return outputs_[output].wait(now, inputs_);
+    }
+    /// State of an input for whoever reads it: `unproved` instead of `good` while it feeds outputs
+    /// and none of them could use its frames at `now`.
+    LinkState input_state(std::size_t input, Instant now) const;
+
     std::span<const Input> inputs() const { return inputs_; }
     std::span<const Output> outputs() const { return outputs_; }
     Output& output(std::size_t index) { return outputs_[index]; }

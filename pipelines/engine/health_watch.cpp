@@ -114,9 +114,9 @@ std::optional<double> HealthWatch::number(const Engine& engine, std::size_t inpu
                        ? std::optional(1000 * in_seconds(now - source.control().received))
                        : std::nullopt;
         case InputFact::good:
-            return yes_or_no(source.state().cause == LinkCause::good);
+            return yes_or_no(engine.input_state(input, now).cause == LinkCause::good);
         case InputFact::cause:
-            return static_cast<double>(source.state().cause);
+            return static_cast<double>(engine.input_state(input, now).cause);
         case InputFact::link_quality:
             return link_quality(source, now);
         case InputFact::rssi:

@@ -16,6 +16,9 @@ constexpr std::size_t kLeastAgreeing = 2;
 /// Hysteresis of the handover channel at the boundary between two positions.
 constexpr std::int32_t kHandoverSlackEighths = 25 * Pulse::kEighthsPerMicrosecond;
 
+/// For this time an implausible frame is named beside what the input waits for.
+constexpr Duration kImplausibleMemory = std::chrono::seconds(1);
+
 /// Median of `values`, which it sorts. The mean of the middle two if their number is even.
 Pulse middle_of(std::span<Pulse> values) {
     std::ranges::sort(values);
@@ -41,17 +44,32 @@ Duration InputSelector::proof(const Voter& voter, const LinkSupervisor& link) co
     return link.first_run() ? guard : std::max(guard, recover_);
 }
 
+bool InputSelector::is_trusted(const Voter& voter, const LinkSupervisor& link, Instant now,
+                               bool bridging) const {
+    const bool served = voter.served && voter.absences == link.absences();
+    return (bridging && served) || link.has_proved(proof(voter, link), now);
+}
+
 /// Judges whether the input may be used, and notes that.
 bool InputSelector::serves(Voter& voter, const LinkSupervisor& link, Instant now, Instant until,
                            bool bridging) const {
-    const bool served = voter.served && voter.absences == link.absences();
-    const bool trusted = (bridging && served) || link.has_proved(proof(voter, link), now);
-    voter.serves = trusted && link.alive(until);
+    voter.serves = is_trusted(voter, link, now, bridging) && link.alive(until);
     if (voter.serves) {
         voter.absences = link.absences();
         voter.ever_served = true;
     }
     return voter.serves;
+}
+
+bool InputSelector::could_use(std::size_t input, Instant now, Instant until,
+                              std::span<const Input> inputs, bool bridging) const {
+    const auto found = std::ranges::find(settings_.inputs, input);
+    if (found == settings_.inputs.end()) {
+        return true;
+    }
+    const Voter& voter = voters_[static_cast<std::size_t>(found - settings_.inputs.begin())];
+    const LinkSupervisor& link = inputs[input].link();
+    return is_trusted(voter, link, now, bridging) && link.alive(until);
 }
 
 bool InputSelector::take_only(Instant now, Instant until, const Input& input, bool bridging) {
@@ -292,6 +310,65 @@ void InputSelector::watch_dissent(Instant now, std::span<const Input> inputs) {
             outvoted_count_ += voter.outvoted ? 1U : 0U;
         }
     }
+}
+
+OutputWait InputSelector::wait_for(std::size_t place, Instant now, Instant until,
+                                   const Input& input, bool bridging) const {
+    const Voter& voter = voters_[place];
+    const LinkSupervisor& link = input.link();
+    OutputWait wait{
+        .input = settings_.inputs[place],
+        .link = link.state(now),
+        .marked = link.marked_of_latest(),
+        .latest = std::min<std::size_t>(input.counts().frames, LinkSupervisor::kRatioFrames)};
+    if (link.implausible().frames > 0 && now - link.implausible().at < kImplausibleMemory) {
+        wait.implausible = link.implausible();
+    }
+    const LinkRun run = link.run(now);
+    const Duration needed = proof(voter, link);
+    const bool trusted = is_trusted(voter, link, now, bridging);
+    if (!link.alive(now)) {
+        wait.awaited = Awaited::link;
+    } else if (!trusted && run.good_frame_age > link.timeout()) {
+        wait.awaited = Awaited::good_frame;
+        wait.so_far = run.good_frame_age;
+        wait.needed = link.timeout();
+    } else if (!trusted && run.time < needed) {
+        wait.awaited = Awaited::run_time;
+        wait.so_far = run.time;
+        wait.needed = needed;
+    } else if (!trusted) {
+        wait.awaited = Awaited::run_frames;
+        wait.frames = run.frames;
+        wait.needed_frames = LinkSupervisor::kProofFrames;
+    } else if (!link.alive(until)) {
+        wait.awaited = Awaited::good_frame;
+        wait.so_far = run.good_frame_age;
+        wait.needed = link.timeout() - (until - now);
+    } else {
+        wait.awaited = voter.outvoted ? Awaited::votes : Awaited::next_frame;
+    }
+    return wait;
+}
+
+OutputWait InputSelector::wait(Instant now, Instant until, std::span<const Input> inputs,
+                               bool bridging) const {
+    /// How far an input is from control: the less, the nearer.
+    const auto distance = [](const OutputWait& wait) {
+        const Duration left =
+            wait.awaited == Awaited::run_time ? wait.needed - wait.so_far : Duration::zero();
+        const int rank = wait.awaited == Awaited::link ? 2 : wait.awaited == Awaited::votes ? 1 : 0;
+        return std::pair(rank, left);
+    };
+    std::optional<OutputWait> nearest;
+    for (std::size_t place = 0; place < voters_.size(); ++place) {
+        const OutputWait wait =
+            wait_for(place, now, until, inputs[settings_.inputs[place]], bridging);
+        if (!nearest || distance(wait) < distance(*nearest)) {
+            nearest = wait;
+        }
+    }
+    return nearest.value_or(OutputWait{});
 }
 
 }  // namespace tribus

@@ -11,6 +11,7 @@
 #include "core/time.h"
 #include "pipelines/engine/carry_over.h"
 #include "pipelines/engine/input.h"
+#include "pipelines/engine/output_wait.h"
 #include "pipelines/rules/settings.h"
 
 namespace tribus {
@@ -33,6 +34,13 @@ class InputSelector {
         return only_one_ ? take_only(now, until, inputs[settings_.inputs.front()], bridging)
                          : select_one(now, until, inputs, bridging);
     }
+
+    /// What the input that is nearest to control lacks at `now`, for a selection as above.
+    OutputWait wait(Instant now, Instant until, std::span<const Input> inputs, bool bridging) const;
+    /// Whether a selection at `now` could use the input with that index of the engine, if nobody
+    /// has outvoted it. True for an input that is not one of `inputs()`.
+    bool could_use(std::size_t input, Instant now, Instant until, std::span<const Input> inputs,
+                   bool bridging) const;
 
     /// Takes over the state of `before`. `carried` gives, for each input of the engine, the input
     /// before from which it continues. Such an input stays trusted; a new one has to earn trust. An
@@ -81,8 +89,12 @@ class InputSelector {
     bool take_only(Instant now, Instant until, const Input& input, bool bridging);
     /// Required length of the run of good frames.
     Duration proof(const Voter& voter, const LinkSupervisor& link) const;
+    bool is_trusted(const Voter& voter, const LinkSupervisor& link, Instant now,
+                    bool bridging) const;
     bool serves(Voter& voter, const LinkSupervisor& link, Instant now, Instant until,
                 bool bridging) const;
+    OutputWait wait_for(std::size_t place, Instant now, Instant until, const Input& input,
+                        bool bridging) const;
     void judge_service(Instant now, Instant until, std::span<const Input> inputs, bool bridging);
     std::optional<std::size_t> chosen_by_a_person(std::span<const Input> inputs);
     std::optional<std::size_t> choose(std::span<const Input> inputs) const;

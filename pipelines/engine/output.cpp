@@ -84,6 +84,39 @@ OutputState Output::state(Instant now) const {
     return state;
 }
 
+OutputWait Output::wait(Instant now, std::span<const Input> inputs) const {
+    if (stage() == OutputStage::control || stage() == OutputStage::cannot_send) {
+        return {};
+    }
+    if (ending_) {
+        return {.awaited = Awaited::end};
+    }
+    if (ongoing_.forced) {
+        return {.awaited = Awaited::line};
+    }
+    if (now < ongoing_.yield_until) {
+        const bool still_heard = now < later(ongoing_.foreign_seen, kForeignSenderMemory) &&
+                                 ongoing_.foreign_run == kForeignSenderFrames;
+        const Duration left = ongoing_.yield_until - now;
+        return still_heard ? OutputWait{.awaited = Awaited::other_node}
+                           : OutputWait{.awaited = Awaited::after_force,
+                                        .so_far = failsafe_.recover - left,
+                                        .needed = failsafe_.recover};
+    }
+    if (ongoing_.awaits_release) {
+        return {.awaited = Awaited::release,
+                .release_when = *failsafe_.release_when,
+                .pulse = ongoing_.release_pulse};
+    }
+    return selector_.wait(now, later(now, period()), inputs,
+                          ongoing_.stage != OutputStage::failsafe);
+}
+
+bool Output::could_use(std::size_t input, Instant now, std::span<const Input> inputs) const {
+    return selector_.could_use(input, now, later(now, period()), inputs,
+                               ongoing_.stage != OutputStage::failsafe);
+}
+
 std::optional<std::size_t> Output::controlling_input() const {
     return stage() == OutputStage::control ? selector_.current() : std::nullopt;
 }
@@ -166,6 +199,7 @@ bool Output::make_control_frame(ChannelFrame& frame, Instant now) {
     ongoing_.awaits_release =
         returns && failsafe_.release_when && !failsafe_.release_when->matches(frame);
     if (ongoing_.awaits_release) {
+        ongoing_.release_pulse = frame.channel(failsafe_.release_when->channel);
         return false;
     }
     if (returns) {

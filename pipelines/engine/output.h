@@ -19,6 +19,7 @@
 #include "pipelines/engine/carry_over.h"
 #include "pipelines/engine/input.h"
 #include "pipelines/engine/input_selector.h"
+#include "pipelines/engine/output_wait.h"
 #include "pipelines/rules/channel_map.h"
 #include "pipelines/rules/glide.h"
 #include "pipelines/rules/line_words.h"
@@ -181,6 +182,11 @@ class Output {
         return ongoing_.obstacle == SendObstacle::none ? ongoing_.stage : OutputStage::cannot_send;
     }
     OutputState state(Instant now) const;
+    /// What it waits for at `now` while no input is in control.
+    OutputWait wait(Instant now, std::span<const Input> inputs) const;
+    /// Whether an input could control it at `now`, as far as the input itself is concerned. True
+    /// for an input of others.
+    bool could_use(std::size_t input, Instant now, std::span<const Input> inputs) const;
     /// The latest frame that it made. A default frame before the first.
     const ChannelFrame& latest() const { return ongoing_.latest; }
     /// Whether the latest `run` made a frame.
@@ -205,6 +211,8 @@ class Output {
         int busy_run = 0;  ///< frames in a row that found the frame before still waiting
         bool forced = false;
         bool awaits_release = false;
+        /// The pulse that `release_when` judged. Absent: its channel is.
+        std::optional<Pulse> release_pulse{};
         Instant foreign_seen{};
         /// Frames of other nodes in a row, each within a second of the one before.
         int foreign_run = 0;

@@ -89,7 +89,9 @@ struct InputStatus {
     std::array<std::uint64_t, kMostRejectCauses> rejected_by{};
     std::uint64_t skipped_bytes = 0;
     Duration interval{};
+    /// `unproved` instead of `good` while no output can use its frames.
     LinkState state;
+    ImplausibleFrames implausible;
     bool ever_good = false;
     bool two_senders = false;  ///< the decoder sees two senders with its ids
 };
@@ -102,6 +104,7 @@ struct OutputStatus {
     OutputCounts counts;
     std::uint64_t overruns = 0;
     OutputState state;
+    OutputWait wait;
     /// When the next frame is due, and the period.
     Instant due{};
     Duration period{};

@@ -26,7 +26,8 @@ void Loop::publish_input(std::size_t index, Instant now) {
     }
     status.skipped_bytes = input.decoder().skipped_bytes();
     status.interval = input.arrivals().interval();
-    status.state = input.state();
+    status.state = engine_.input_state(index, now);
+    status.implausible = input.link().implausible();
     status.ever_good = input.link().ever_good();
     status.two_senders = input.decoder().two_senders();
     input_status_[index].publish(status);
@@ -40,6 +41,7 @@ void Loop::publish_output(std::size_t index, Instant now) {
     status.counts = output.counts();
     status.overruns = output.overruns();
     status.state = output.state(now);
+    status.wait = engine_.wait(index, now);
     status.due = output.due();
     status.period = output.period();
     status.sends = output.sends();

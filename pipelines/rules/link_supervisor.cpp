@@ -87,6 +87,27 @@ bool LinkSupervisor::plausible(const ChannelFrame& frame, Instant now) {
     return !within || !any_zero(frame);
 }
 
+[[gnu::noinline]] void LinkSupervisor::note_implausible(const ChannelFrame& frame, Instant now) {
+    ++implausible_.frames;
+    implausible_.at = now;
+    const auto note_first = [&](const std::optional<PulseRange>& range, auto is_wrong) {
+        for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+            const Pulse pulse = frame.pulses()[channel];
+            if (frame.has(channel) && is_wrong(pulse)) {
+                implausible_.channel = channel;
+                implausible_.pulse = pulse;
+                implausible_.plausible = range;
+                return true;
+            }
+        }
+        return false;
+    };
+    const auto& range = settings_.plausible;
+    if (!range || !note_first(range, [&](Pulse pulse) { return !range->contains(pulse); })) {
+        note_first(std::nullopt, [&](Pulse pulse) { return pulse == settings_.raw_zero; });
+    }
+}
+
 /// Most links never mark a frame. For them this keeps no history.
 void LinkSupervisor::count_frame_lost(bool lost) {
     if (!lost && lost_count_ == 0) {
@@ -125,6 +146,7 @@ LinkSupervisor::Verdict LinkSupervisor::judge(const ChannelFrame& frame, Instant
         return {Kind::frame_lost, RadioLossSign::frame_lost_run};
     }
     if (!plausible(frame, now)) {
+        note_implausible(frame, now);
         return {Kind::implausible, RadioLossSign::none};
     }
     return {channels_missing(frame, now) ? Kind::channels_missing : Kind::good,

@@ -4,11 +4,13 @@
 #include <bitset>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/channel_frame.h"
 #include "core/link_cause.h"
+#include "core/pulse.h"
 #include "core/time.h"
 #include "pipelines/rules/channel_lanes.h"
 #include "pipelines/rules/settings.h"
@@ -22,6 +24,25 @@ struct LinkState {
     RadioLossSign sign = RadioLossSign::none;
     /// When the state began. Meaningless for a link that was never seen.
     Instant since{};
+};
+
+/// Frames of an input with values that no transmitter sends.
+struct ImplausibleFrames {
+    std::uint64_t frames = 0;  ///< since the start
+    Instant at{};              ///< of the latest
+    /// A value of the latest.
+    std::size_t channel = 0;
+    Pulse pulse{};
+    /// The range that it missed. Absent: its raw value is zero, which means "no value" at the start
+    /// and after a loss.
+    std::optional<PulseRange> plausible{};
+};
+
+/// How far the run of good frames of a link has got.
+struct LinkRun {
+    Duration time{};
+    std::uint64_t frames = 0;
+    Duration good_frame_age{};
 };
 
 /// Judges whether the frames of one input count, and if not, why: the sender's flags, values that
@@ -75,6 +96,13 @@ class LinkSupervisor {
                (proof == Duration::zero() ||
                 (run_frames_ >= kProofFrames && now - good_.received <= settings_.timeout));
     }
+    /// Good frames that a run needs. Fewer may be chance.
+    static constexpr std::uint64_t kProofFrames = 3;
+    LinkRun run(Instant now) const { return {now - run_start_, run_frames_, now - good_.received}; }
+    static constexpr std::size_t kRatioFrames = 100;
+    /// How many of the latest `kRatioFrames` frames were marked frame-lost.
+    std::size_t marked_of_latest() const { return lost_count_; }
+    const ImplausibleFrames& implausible() const { return implausible_; }
     /// True while the link was never lost after its first good frame: there is nothing to recover
     /// from.
     bool first_run() const { return runs_ <= 1; }
@@ -101,14 +129,11 @@ class LinkSupervisor {
     bool plausible(const ChannelFrame& frame, Instant now);
     bool within(const PulseRange& range, const ChannelFrame& frame);
     bool any_zero(const ChannelFrame& frame) const;
+    void note_implausible(const ChannelFrame& frame, Instant now);
     void count_frame_lost(bool lost);
     bool too_many_lost() const;
     Instant not_after_frozen(Instant expiry) const;
     LinkState state_without_frames(Instant now) const;
-
-    static constexpr std::size_t kRatioFrames = 100;
-    /// Fewer good frames in a run may be chance.
-    static constexpr std::uint64_t kProofFrames = 3;
 
     SupervisionSettings settings_;
     const DecoderReport* decoder_ = nullptr;
@@ -120,6 +145,7 @@ class LinkSupervisor {
     std::uint64_t runs_ = 0;
     std::uint64_t run_frames_ = 0;  ///< good frames of the present run
     std::uint64_t absences_ = 0;
+    ImplausibleFrames implausible_;
 
     /// When the good frame becomes too old if no other frame follows.
     Instant expires_{};

@@ -77,7 +77,7 @@ TEST_F(GpioProgram, ForcesFailsafeWithinOneFrame) {
         return false;
     }));
     EXPECT_LE(good, 2U) << "more than the frame that was due and one period";
-    EXPECT_TRUE(program.says("output servos: in failsafe, forced"));
+    EXPECT_TRUE(program.says("output servos: in failsafe; waits for the GPIO line"));
     bank_.pull(0, false);
     heard_ = false;
     EXPECT_TRUE(gains_control()) << program.errors();
@@ -94,7 +94,7 @@ TEST_F(GpioProgram, ForcesFailsafeAlthoughItsMainThreadHangs) {
     EXPECT_TRUE(gains_control()) << "still";
     bank_.pull(0, true);
     EXPECT_TRUE(is_in_failsafe());
-    EXPECT_EQ(count_of("in failsafe, forced", program.errors()), 0U)
+    EXPECT_EQ(count_of("in failsafe; waits for the GPIO line", program.errors()), 0U)
         << "the main thread, which logs this, does not hang";
 }
 
@@ -133,7 +133,7 @@ TEST_F(GpioProgram, TakesAStopLineThatNobodyReadsForOneThatIsActive) {
     EXPECT_TRUE(gains_control()) << program.errors();
     program.signal(SIGURG);
     EXPECT_TRUE(is_in_failsafe());
-    EXPECT_TRUE(program.says("output servos: in failsafe, forced"));
+    EXPECT_TRUE(program.says("output servos: in failsafe; waits for the GPIO line"));
     EXPECT_TRUE(program.says("line stop (L0): is gone; waiting for it"));
     program.signal(SIGHUP);
     EXPECT_TRUE(program.says("reloaded"));

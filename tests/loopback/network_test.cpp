@@ -219,6 +219,12 @@ TEST_F(Network, WithAnEpochGoesOnOverAReload) {
     Program& boat = run(boat_config(kBoatEpoch));
     Program& shore = run(shore_config(kShoreEpoch));
     ASSERT_TRUE(servos_follow(1700)) << boat.errors() << shore.errors();
+    // The log looks a little later.
+    EXPECT_TRUE(eventually([&] {
+        radio_.send_if_due();
+        route();
+        return boat.errors().find("under control of shore") != std::string::npos;
+    })) << boat.errors();
     boat_config(std::string(kBoatEpoch) + "timeout = \"450ms\"\n");
     shore_config(std::string(kShoreEpoch) + "period = \"15ms\"\n");
     for (Program* const program : {&boat, &shore}) {

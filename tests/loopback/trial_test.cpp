@@ -22,6 +22,8 @@ class Trial : public FirstChannel {
     Program& begin() {
         Program& program = run(write_config(main_job(kPatientInput)));
         expect_first_channel(1100);
+        // The status, which `diff` asks for, follows a little later.
+        EXPECT_TRUE(program.says("under control of receiver"));
         write_config(main_job(kPatientInput, "", kReversed));
         return program;
     }
@@ -310,6 +312,7 @@ TEST_F(Trial, DiffShowsWhatTheReloadThenDoesWithEighteenChannels) {
     repeater_.change(ibus_bytes(sticks));
     Program& program = run(write_config(main_job(kPatientInput)));
     expect_first_channel(1100);
+    EXPECT_TRUE(program.says("under control of receiver"));
     write_config(main_job(kPatientInput, "", "[pipeline.main.channels]\n1 = 18"));
     Program& asked = start({"diff", folder() / "tribus.toml", "--socket", socket()});
     EXPECT_TRUE(eventually([&] {

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "pipelines/rules/settings.h"
+
 namespace tribus::doctor {
 namespace {
 
@@ -30,6 +32,9 @@ bool near(std::uint16_t value, std::uint16_t landmark, int tolerance) {
     return std::abs(int{value} - int{landmark}) <= tolerance;
 }
 
+/// The default of `plausible`: a frame with a channel outside of it does not count.
+constexpr PulseRange kPlausible{Pulse::from_microseconds(800), Pulse::from_microseconds(2200)};
+
 struct Votes {
     std::size_t centres = 0;
     std::size_t ends = 0;
@@ -46,6 +51,20 @@ void ScaleWatch::take(std::span<const std::uint16_t> raw) {
         seen.latest = raw[channel];
     }
     any_ = true;
+}
+
+/// A value that does not count with this scale: "channel 12 is at 739.625 us". Empty if there is
+/// none.
+std::string ScaleWatch::implausible_with(const SbusScale& scale) const {
+    for (std::size_t channel = 0; channel < seen_.size(); ++channel) {
+        for (const std::uint16_t raw : {seen_[channel].least, seen_[channel].most}) {
+            const Pulse pulse = scale.decode(raw);
+            if (!kPlausible.contains(pulse)) {
+                return fmt::format("channel {} is at {} us", channel + 1, pulse.microseconds());
+            }
+        }
+    }
+    return "";
 }
 
 ScaleGuess ScaleWatch::guess() const {
@@ -79,6 +98,17 @@ ScaleGuess ScaleWatch::guess() const {
     std::string reason = fmt::format("{} channels rest at {}", votes[best].centres, marks.centre);
     if (votes[best].ends > 0) {
         reason += fmt::format(", {} ends are at {} or {}", votes[best].ends, marks.low, marks.high);
+    }
+    const std::string implausible = implausible_with(*SbusScale::named(marks.name));
+    if (!implausible.empty()) {
+        return {
+            .name = {},
+            .reason = fmt::format(
+                "{}, as in the scale \"{}\", but with it {}, and a frame with a channel outside "
+                "of {} to {} us does not count: use the scale of the receiver's maker, and "
+                "widen `plausible` if nothing moves by that channel",
+                reason, marks.name, implausible, kPlausible.low.microseconds(),
+                kPlausible.high.microseconds())};
     }
     return {.name = marks.name, .reason = std::move(reason)};
 }

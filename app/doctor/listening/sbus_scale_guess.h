@@ -31,6 +31,8 @@ class ScaleWatch {
         std::uint16_t most = 0;
         std::uint16_t latest = 0;
     };
+    std::string implausible_with(const SbusScale& scale) const;
+
     std::array<Seen, kSbusChannels> seen_{};
     bool any_ = false;
 };

@@ -15,6 +15,7 @@ struct JudgedFrame {
     LinkState state;
     /// The state just before this frame, if the link was lost then.
     std::optional<LinkState> lost_before;
+    ImplausibleFrames implausible{};
 };
 
 /// Runs the loss detection of an input over a recording. Without settings or without times it
@@ -48,7 +49,8 @@ class FrameJudge {
         supervisor_->take(frame, now);
         was_good_ = supervisor_->alive(now);
         return JudgedFrame{.state = supervisor_->state(now),
-                           .lost_before = std::exchange(lost_before_, std::nullopt)};
+                           .lost_before = std::exchange(lost_before_, std::nullopt),
+                           .implausible = supervisor_->implausible()};
     }
 
   private:

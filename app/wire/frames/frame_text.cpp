@@ -79,10 +79,11 @@ void append_frame_text(std::string& text, const FoundFrame& found) {
         }
     }
     if (found.judged && found.judged->lost_before) {
-        text += fmt::format("  (lost before: {})", cause_text(*found.judged->lost_before));
+        text += fmt::format("  (lost before: {})",
+                            cause_text(*found.judged->lost_before, found.judged->implausible));
     }
     if (found.judged && found.judged->state.cause != LinkCause::good) {
-        text += fmt::format("  {}", cause_text(found.judged->state));
+        text += fmt::format("  {}", cause_text(found.judged->state, found.judged->implausible));
     }
     text += '\n';
 }

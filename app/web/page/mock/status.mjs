@@ -36,8 +36,8 @@ export function input(name, protocol, port, channels, seconds) {
 
 export function output(name, protocol, port, inputs, from) {
     return {
-        name, protocol, port, inputs, state: 'control', obstacle: null, forced: false,
-        awaits_release: false, input: inputs[0], outvoted: [], rate_hz: jitter(70.5, 71.5),
+        name, protocol, port, inputs, state: 'control', obstacle: null, waits_for: null,
+        forced: false, awaits_release: false, input: inputs[0], outvoted: [], rate_hz: jitter(70.5, 71.5),
         period_us: 14_000, channels: [...from.channels, 1500, 1500, 1500, 1500].slice(0, 18),
         frame_lost: false, failsafe: false, cause: 'good', frames: 232, overruns: 0,
         deadline_misses: 0, dropped: { busy: 0, lost: 0, unavailable: 0 }, foreign_frames: 0,
@@ -96,7 +96,9 @@ const CHANGES = {
         lose(status, 'radio_lost', 4_200_000);
         all(status, failsafe);
     },
-    forced: (status) => all(status, { ...failsafe, forced: true }),
+    forced: (status) => all(status, {
+        ...failsafe, forced: true, waits_for: 'the GPIO line that forces failsafe',
+    }),
     awaits_release: (status) => all(status, { ...failsafe, awaits_release: true }),
     silent(status) {
         lose(status, 'wire_silent', 9_000_000);

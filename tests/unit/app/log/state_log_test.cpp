@@ -127,6 +127,15 @@ class StateLogAtPtys : public testing::Test {
     FarEnd servos_{folder_ / "servos"};
     FarEnd sensors_{folder_ / "sensors"};
 
+    template <class Condition>
+    static void until(Condition condition) {
+        const Instant patience = monotonic_now() + 10s;
+        while (!condition()) {
+            ASSERT_LT(monotonic_now(), patience) << "nothing of it was seen";
+            std::this_thread::sleep_for(7ms);
+        }
+    }
+
   private:
     Configuration configuration(const std::string& input,
                                 const std::string& output_protocol) const {
@@ -144,16 +153,9 @@ class StateLogAtPtys : public testing::Test {
             "[runtime]\nrealtime = \"off\"\n";
         return load_configuration(text, "test.toml").value();
     }
-    template <class Condition>
-    static void until(Condition condition) {
-        const Instant patience = monotonic_now() + 10s;
-        while (!condition()) {
-            ASSERT_LT(monotonic_now(), patience) << "nothing of it was seen";
-            std::this_thread::sleep_for(7ms);
-        }
-    }
-
     LogInMemory logged_{"%v"};
+
+  protected:
     std::unique_ptr<Appliance> appliance_;
     std::unique_ptr<StateLog> log_;
 };
@@ -164,6 +166,41 @@ class StateLogOfASensorBus : public StateLogAtPtys {};
 constexpr std::string_view kReceiver = "input receiver: ";
 constexpr std::string_view kServos = "output servos: ";
 constexpr std::string_view kTelemetry = "sensor bus telemetry: ";
+
+TEST_F(StateLogAtPtys, SaysWhatAnOutputWaitsForAfterAWhile) {
+    until([&] { return appliance_->output_status(0).wait.awaited == Awaited::link; });
+    EXPECT_EQ(said_at(Instant(0s), kServos), "");
+    EXPECT_EQ(said_at(Instant(699ms), kServos), "");
+    EXPECT_EQ(said_at(Instant(700ms), kServos), "output servos: waits for receiver: never seen\n");
+    EXPECT_EQ(said_at(Instant(10s), kServos), "") << "nothing has changed";
+}
+
+TEST_F(StateLogAtPtys, SaysWithALossWhatAnOutputWaitsFor) {
+    receive_until_control(Instant(1s));
+    said(kServos);
+    receive_until_failsafe(Instant(2s));
+    EXPECT_EQ(said(kServos),
+              "output servos: in failsafe; waits for receiver: radio lost (the receiver says "
+              "failsafe)\n");
+}
+
+TEST_F(StateLogAtPtys, NamesTheValueOfAFrameThatIsNotPlausible) {
+    Bytes zero = kGood;
+    // Channel 1 is raw 0, which means "no value" in the first second (`zero_guard`).
+    zero[1] = 0;
+    zero[2] &= 0xF8;
+    until([&] {
+        receiver_.send(kGood);
+        receiver_.send(zero);
+        const InputStatus status = appliance_->input_status(0);
+        return status.implausible.frames > 0 && status.ever_good;
+    });
+    log_->look(*appliance_, Instant(1s));
+    const std::string lines = said(kReceiver);
+    EXPECT_NE(lines.find("not plausible and ignored: channel 1 has the raw value 0"),
+              std::string::npos)
+        << lines;
+}
 
 TEST_F(StateLogOverAReload, SaysNothingAgainOfAnInput) {
     receive(kGood, LinkCause::good, Instant(1s));

@@ -73,7 +73,7 @@ TEST(Discovery, NamesAllCausesAndStatesThatAStatusCanHave) {
     EXPECT_EQ(components["tribus_boat_1_servos_input_receiver_cause"]["options"],
               json::parse(R"(["good","never_seen","wire_silent","garbled","radio_lost","stale",
                               "implausible","channels_missing","no_key","forged","replayed",
-                              "late"])"));
+                              "late","unproved"])"));
     EXPECT_EQ(components["tribus_boat_1_servos_output_servos"]["options"],
               json::parse(R"(["control","hold","failsafe","silent","cannot_send"])"));
 }

@@ -48,7 +48,7 @@ TEST(MqttStatus, HasStatesCausesAndValuesWithTheirAges) {
     EXPECT_EQ(told["inputs"]["receiver"], Json::parse(R"({"good":true,"cause":"good","for_s":5.0,
         "rate_hz":130.0,"age_s":0.003})"));
     EXPECT_EQ(told["outputs"]["servos"], Json::parse(R"({"state":"control","input":"receiver",
-        "obstacle":null,"rate_hz":71.5})"));
+        "obstacle":null,"waits_for":null,"rate_hz":71.5})"));
     EXPECT_EQ(told["devices"]["can0"], Json::parse(R"({"present":true,"bus":"ready"})"));
     EXPECT_EQ(told["values"]["pack.voltage"],
               Json::parse(R"({"number":12.25,"unit":"V","age_s":0.2})"));

@@ -62,14 +62,14 @@ class SimulateLogTest : public testing::Test {
 
 TEST_F(SimulateLogTest, SaysOfHeldValuesThatTheyAreMarkedWhereTheWireCan) {
     EXPECT_NE(log_of_ibus_to("sbus", "")
-                  .find("output servos: holding the last values, marked frame-lost\n"),
+                  .find("output servos: holding the last values, marked frame-lost; waits"),
               std::string::npos);
 }
 
 TEST_F(SimulateLogTest, SaysOfHeldValuesThatTheyAreUnmarkedWhereTheWireCannot) {
     EXPECT_NE(log_of_ibus_to("ibus", "")
                   .find("output servos: holding the last values, unmarked: its protocol has no "
-                        "frame-lost mark\n"),
+                        "frame-lost mark; waits"),
               std::string::npos);
 }
 

@@ -14,11 +14,20 @@ using namespace std::chrono_literals;
 constexpr Instant kStart{100s};
 const LinkState kGood{.cause = LinkCause::good};
 const LinkState kSilent{.cause = LinkCause::wire_silent};
-const OutputState kControl{.stage = OutputStage::control, .input = 0};
-const OutputState kHolding{.stage = OutputStage::holding};
-const OutputState kFailsafe{.stage = OutputStage::failsafe};
 
-std::string one(StatusLine& line, const LinkState& input, const OutputState& output,
+OutputStatus told(const OutputState& state, const OutputWait& wait = {}) {
+    OutputStatus status;
+    status.state = state;
+    status.wait = wait;
+    return status;
+}
+
+const OutputStatus kControl = told({.stage = OutputStage::control, .input = 0});
+const OutputStatus kHolding = told({.stage = OutputStage::holding});
+const OutputStatus kFailsafe =
+    told({.stage = OutputStage::failsafe}, {.awaited = Awaited::link, .input = 0});
+
+std::string one(StatusLine& line, const LinkState& input, const OutputStatus& output,
                 Duration after = 0s) {
     return line.text(std::vector{input}, std::vector{output}, kStart + after);
 }
@@ -38,10 +47,22 @@ TEST_F(StatusLineTest, tells_why_an_output_is_in_failsafe) {
 }
 
 TEST_F(StatusLineTest, tells_why_an_output_cannot_send_whatever_its_input_says) {
-    const OutputState gone{.stage = OutputStage::cannot_send, .obstacle = SendObstacle::device};
+    const OutputStatus gone =
+        told({.stage = OutputStage::cannot_send, .obstacle = SendObstacle::device});
     EXPECT_EQ(one(line_, kGood, gone), "servos: cannot send: its device is gone; receiver: good");
-    const OutputState off{.stage = OutputStage::cannot_send, .obstacle = SendObstacle::bus};
+    const OutputStatus off =
+        told({.stage = OutputStage::cannot_send, .obstacle = SendObstacle::bus});
     EXPECT_EQ(one(line_, kGood, off), "servos: cannot send: the bus takes nothing; receiver: good");
+}
+
+TEST_F(StatusLineTest, tells_what_an_output_waits_for_although_its_input_is_good) {
+    const OutputStatus waits =
+        told({.stage = OutputStage::failsafe, .awaits_release = true}, {.awaited = Awaited::line});
+    one(line_, kGood, waits);
+    EXPECT_EQ(
+        one(line_, kGood, waits, 4s),
+        "servos: in failsafe for more than 3 s; waits for the GPIO line that forces failsafe; "
+        "receiver: good");
 }
 
 TEST_F(StatusLineTest, tells_in_steps_for_how_long) {
@@ -73,8 +94,8 @@ TEST(StatusLine, has_the_worst_first) {
 
 TEST(StatusLine, of_a_wire_that_cannot_mark_held_values_says_that_they_are_unmarked) {
     StatusLine line({}, {"servos"});
-    OutputState holding = kHolding;
-    holding.marks_frame_lost = false;
+    OutputStatus holding = kHolding;
+    holding.state.marks_frame_lost = false;
     EXPECT_EQ(line.text({}, std::vector{holding}, kStart),
               "servos: holding the last values, unmarked: its protocol has no frame-lost mark");
 }

@@ -20,12 +20,15 @@ constexpr std::string_view kStatus = R"({"type":"status","version":1,"name":"car
 "uptime_us":5000000,"figures_age_us":40000,"trial":null,"trial_left_us":null,
 "inputs":[{"name":"main","protocol":"ibus","state":"good","cause":"good","age_us":3000,
 "losses":{"wire_silent":2,"garbled":1}},
-{"name":"backup","state":"failsafe","cause":"never_seen","age_us":null,"losses":{}}],
+{"name":"backup","state":"failsafe","cause":"implausible","age_us":null,"losses":{},
+"text":"implausible, channel 5 is at 2158 us"
+}],
 "outputs":[{"name":"servos","state":"control","obstacle":null,"input":"main",
 "failsafe_entries":3}],
 "ports":[{"name":"/dev/ttyUSB0","kind":"serial","present":false},
 {"name":"/dev/ttyAMA5","kind":"serial","present":true},
-{"name":"can0","kind":"can","present":true,"can":{"state":"bus_off","sent":7}}]})";
+{"name":"can0","kind":"can","present":true,"can":{"state":"bus_off","sent":7}}]
+})";
 
 class Summary : public testing::Test {
   protected:
@@ -49,31 +52,32 @@ class Summary : public testing::Test {
 using Lines = std::vector<std::string>;
 
 TEST_F(Summary, TellsWhatAScriptAsksFor) {
-    EXPECT_EQ(
-        told().dump(),
-        R"({"type":"summary","version":1,"name":"car","file":"/etc/tribus/car.toml",)"
-        R"("fingerprint":"00ff","t_us":7000000,"unix_time_us":1795727363411000,)"
-        R"("uptime_us":5000000,"figures_age_us":40000,"figures_old":false,)"
-        R"("trial":null,"trial_left_us":null,)"
-        R"("inputs":[{"name":"main","good":true,"cause":"good","age_us":3000,"times_lost":3},)"
-        R"({"name":"backup","good":false,"cause":"never_seen","age_us":null,"times_lost":0}],)"
-        R"("outputs":[{"name":"servos","state":"control","obstacle":null,"input":"main",)"
-        R"("failsafe_entries":3}],)"
-        R"("devices":[{"name":"/dev/ttyUSB0","state":"gone"},)"
-        R"({"name":"/dev/ttyAMA5","state":"there"},{"name":"can0","state":"bus_off"}],)"
-        R"("gone":["/dev/ttyUSB0"]})");
+    EXPECT_EQ(told().dump(),
+              R"({"type":"summary","version":1,"name":"car","file":"/etc/tribus/car.toml",)"
+              R"("fingerprint":"00ff","t_us":7000000,"unix_time_us":1795727363411000,)"
+              R"("uptime_us":5000000,"figures_age_us":40000,"figures_old":false,)"
+              R"("trial":null,"trial_left_us":null,)"
+              R"("inputs":[{"name":"main","good":true,"cause":"good","text":null,"age_us":3000,)"
+              R"("times_lost":3},{"name":"backup","good":false,"cause":"implausible",)"
+              R"("text":"implausible, channel 5 is at 2158 us",)"
+              R"("age_us":null,"times_lost":0}],)"
+              R"("outputs":[{"name":"servos","state":"control","obstacle":null,"input":"main",)"
+              R"("waits_for":null,"failsafe_entries":3}],)"
+              R"("devices":[{"name":"/dev/ttyUSB0","state":"gone"},)"
+              R"({"name":"/dev/ttyAMA5","state":"there"},{"name":"can0","state":"bus_off"}],)"
+              R"("gone":["/dev/ttyUSB0"]})");
 }
 
 TEST_F(Summary, InWordsHasALineForEachPart) {
     status_["trial"] = 4U;
     status_["trial_left_us"] = 25'000'000;
-    EXPECT_EQ(
-        status_summary::lines(told()),
-        (Lines{"car: up 5.00 s, figures 40 ms old, configuration /etc/tribus/car.toml (00ff)",
-               "trial 4: goes back in 25.00 s unless confirmed",
-               "input main: good, newest frame 3.0 ms old",
-               "input backup: never_seen, no frame yet", "output servos: control from main",
-               "device /dev/ttyUSB0: gone", "device /dev/ttyAMA5: there", "device can0: bus_off"}));
+    EXPECT_EQ(status_summary::lines(told()),
+              (Lines{"car: up 5.00 s, figures 40 ms old, configuration /etc/tribus/car.toml (00ff)",
+                     "trial 4: goes back in 25.00 s unless confirmed",
+                     "input main: good, newest frame 3.0 ms old",
+                     "input backup: implausible, channel 5 is at 2158 us, no frame yet",
+                     "output servos: control from main", "device /dev/ttyUSB0: gone",
+                     "device /dev/ttyAMA5: there", "device can0: bus_off"}));
 }
 
 /// The data thread hangs: its last figures say "good" and "control" for ever.
@@ -167,8 +171,8 @@ TEST_F(Summary, PartsThatAReloadRemovesAndAddsAreChanges) {
     after["inputs"][1]["name"] = "third";
     EXPECT_EQ(changed_by(after),
               (Lines{"2026-11-26T21:09:23.411Z daemon car: fingerprint 00fe, was 00ff",
-                     "2026-11-26T21:09:23.411Z input backup: cause none, was never_seen",
-                     "2026-11-26T21:09:23.411Z input third: cause never_seen, was none"}));
+                     "2026-11-26T21:09:23.411Z input backup: cause none, was implausible",
+                     "2026-11-26T21:09:23.411Z input third: cause implausible, was none"}));
 }
 
 TEST_F(Summary, FiguresThatGrowOldAreAChangeOfEverything) {

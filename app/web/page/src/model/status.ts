@@ -3,7 +3,7 @@
 
 export type LinkCause =
     | 'good' | 'never_seen' | 'wire_silent' | 'garbled' | 'radio_lost' | 'stale' | 'implausible'
-    | 'channels_missing' | 'no_key' | 'forged' | 'replayed' | 'late';
+    | 'channels_missing' | 'no_key' | 'forged' | 'replayed' | 'late' | 'unproved';
 export type OutputStage = 'control' | 'hold' | 'failsafe' | 'silent' | 'cannot_send';
 
 export interface Distribution {
@@ -36,6 +36,7 @@ export interface Output {
     inputs: string[];
     state: OutputStage;
     obstacle: string | null;
+    waits_for: string | null;
     input: string | null;
     outvoted: string[];
     forced: boolean;

@@ -39,6 +39,7 @@ const SHOWN: Partial<Record<LinkCause, string>> = {
     forged: 'messages that nobody with the key has made',
     replayed: "messages of the key's holder that are not new",
     late: 'values that are too old when they come',
+    unproved: 'good frames that no output can use yet',
 };
 const OBSTACLES: Record<string, string> = {
     device: 'its device is gone',
@@ -106,7 +107,7 @@ export function sendsText(output: Output): string {
     }
 }
 
-/** Why an output is not under control: what its inputs say. */
+/** Why an output is not under control: what it waits for, and what its inputs say. */
 export function whyText(output: Output, inputs: Input[]): string {
     const parts: string[] = [];
     const sends = sendsText(output);
@@ -116,14 +117,16 @@ export function whyText(output: Output, inputs: Input[]): string {
     if (output.outvoted.length > 0) {
         parts.push(`outvoted by the others: ${output.outvoted.join(', ')}`);
     }
-    if (output.forced) {
-        parts.push('a GPIO line asks for it, another node sends with its CAN ids, or the program '
-            + 'ends');
+    const feeding = inputs.filter((input) => output.inputs.includes(input.name));
+    // A lost input says the same of itself, and for how long it has been so.
+    const awaited = feeding.find((input) => output.waits_for?.startsWith(`${input.name}: `));
+    const lost = awaited !== undefined && awaited.cause !== 'good' && awaited.cause !== 'unproved';
+    if (output.waits_for && !lost) {
+        parts.push(`waits for ${output.waits_for}`);
     }
-    for (const name of output.inputs) {
-        const input = inputs.find((one) => one.name === name);
-        if (input && (output.state !== 'control' || input.state !== 'good')) {
-            parts.push(`${name}: ${inputText(input)}`);
+    for (const input of feeding) {
+        if ((output.state !== 'control' || input.state !== 'good') && (input !== awaited || lost)) {
+            parts.push(`${input.name}: ${inputText(input)}`);
         }
     }
     return parts.join('; ');

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <random>
 #include <string>
 #include <variant>
@@ -73,13 +74,15 @@ TEST(LineJudge, knows_ibus2_as_what_it_cannot_read) {
 }
 
 LineStory sbus_story(std::uint16_t centre, std::uint16_t low, std::uint16_t high,
-                     std::uint8_t flags = 0) {
+                     std::uint8_t flags = 0,
+                     std::optional<std::uint16_t> channel_12 = std::nullopt) {
     Heard heard{.line = kSbusLine, .listened = std::chrono::seconds(1), .bursts = {}};
     for (int frame = 0; frame < 30; ++frame) {
         SbusFrame sbus;
         sbus.raw.fill(centre);
         sbus.raw[0] = frame < 10 ? low : frame < 20 ? high : centre;
         sbus.raw[1] = frame < 10 ? high : frame < 20 ? low : centre;
+        sbus.raw[11] = channel_12.value_or(centre);
         std::vector<std::uint8_t> bytes(kSbusFrameLength);
         emit_sbus(sbus, std::span(bytes).first<kSbusFrameLength>());
         bytes[23] = flags;
@@ -100,6 +103,14 @@ TEST(LineJudge, says_where_the_scale_cannot_be_known) {
     const LineStory story = sbus_story(600, 500, 700);
     EXPECT_EQ(story.scale.name, "");
     EXPECT_NE(story.scale.reason.find("cannot be determined"), std::string::npos);
+}
+
+/// Futaba's scale: raw 352 is 1000 us, raw 1696 is 2000 us (docs/protocols/sbus.md, "Scales").
+TEST(LineJudge, recommends_no_scale_with_which_a_value_is_not_plausible) {
+    const LineStory story = sbus_story(1024, 352, 1696, 0, 0);
+    EXPECT_EQ(story.scale.name, "");
+    EXPECT_NE(story.scale.reason.find("with it channel 12 is at 738.125 us"), std::string::npos)
+        << story.scale.reason;
 }
 
 TEST(LineJudge, counts_the_flags_of_sbus) {

@@ -1,0 +1,183 @@
+#include "pipelines/engine/output_wait.h"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "app/cli/wait_text.h"
+#include "tests/unit/pipelines/engine/engine_bench.h"
+
+/// What an output that is not in control says it waits for.
+namespace tribus::test::serial::output_wait_test {
+namespace {
+
+const std::vector<std::string> kNames{"radio", "backup"};
+
+FailsafeSettings proof_of(Duration proof) {
+    return {.hold = 0ms, .recover = proof, .power_on = proof};
+}
+
+std::string awaited(Bench& bench, Duration when) {
+    bench.said(at(when));
+    const OutputState state = bench.engine().outputs()[0].state(at(when));
+    return wait_text(state, bench.engine().wait(0, at(when)), kNames);
+}
+
+LinkCause told_cause(Bench& bench, std::size_t input, Duration when) {
+    bench.said(at(when));
+    return bench.engine().input_state(input, at(when)).cause;
+}
+
+/// Sends an SBUS frame each 10 ms; of each `of` of them the last is marked frame-lost.
+void sbus_run(Bench& bench, Duration from, Duration until, int of) {
+    int number = 0;
+    for (Duration when = from; when < until; when += 10ms) {
+        bench.sbus(0, at(when), us(1500), ++number % of == 0, false);
+    }
+}
+
+TEST(OutputWait, is_for_a_link_that_was_never_heard) {
+    Bench bench(list(ibus_input()), list(sbus_output({0})));
+    EXPECT_EQ(awaited(bench, 200ms), "radio: never seen");
+}
+
+TEST(OutputWait, is_for_a_link_that_is_lost_with_its_cause) {
+    Bench bench(list(ibus_input()), list(sbus_output({0})));
+    bench.ibus_run(0, at(1ms), at(400ms), us(1500));
+    EXPECT_EQ(awaited(bench, 400ms), "") << "in control";
+    EXPECT_EQ(awaited(bench, 1s), "radio: wire silent (no bytes any more)");
+}
+
+TEST(OutputWait, is_for_the_rest_of_the_time_of_good_frames) {
+    Bench bench(list(ibus_input()), list(sbus_output({0}, proof_of(500ms))));
+    bench.ibus_run(0, at(1ms), at(301ms), us(1500));
+    EXPECT_EQ(awaited(bench, 301ms), "radio: good for 0.3 of 0.5 s");
+}
+
+TEST(OutputWait, names_the_share_of_frames_that_are_marked_frame_lost) {
+    Bench bench(list(sbus_input()), list(sbus_output({0}, proof_of(500ms))));
+    sbus_run(bench, 10ms, 310ms, 5);
+    EXPECT_EQ(awaited(bench, 312ms),
+              "radio: good for 0.3 of 0.5 s; 6 of its latest 30 frames marked frame-lost");
+}
+
+TEST(OutputWait, names_the_value_that_is_not_plausible) {
+    InputSettings input = ibus_input();
+    input.supervision.plausible = PulseRange{us(900), us(2100)};
+    Bench bench(list(std::move(input)), list(sbus_output({0}, proof_of(500ms))));
+    bench.ibus_run(0, at(1ms), at(300ms), us(1500));
+    bench.ibus(0, at(305ms), us(1500), us(2158));
+    EXPECT_EQ(awaited(bench, 310ms),
+              "radio: good for 0.3 of 0.5 s; implausible frames: channel 3 is at 2158 us, "
+              "plausible are 900 to 2100 us");
+}
+
+TEST(OutputWait, is_for_three_good_frames) {
+    Bench bench(list(ibus_input()), list(sbus_output({0}, proof_of(50ms))));
+    bench.ibus(0, at(1ms), us(1500));
+    bench.ibus(0, at(91ms), us(1500));
+    EXPECT_EQ(awaited(bench, 100ms), "radio: 2 of 3 good frames");
+}
+
+TEST(OutputWait, is_for_a_good_frame_where_marked_ones_keep_the_link) {
+    InputSettings input = sbus_input();
+    input.supervision.frame_lost_run = 2s;
+    Bench bench(list(std::move(input)), list(sbus_output({0}, proof_of(500ms))));
+    sbus_run(bench, 10ms, 100ms, 100);
+    for (Duration when = 100ms; when <= 300ms; when += 10ms) {
+        bench.sbus(0, at(when), us(1500), true, false);
+    }
+    EXPECT_EQ(
+        awaited(bench, 300ms),
+        "radio: a good frame, the latest is 210 ms old of at most 100 ms; 21 of its latest 30 "
+        "frames marked frame-lost");
+}
+
+TEST(OutputWait, is_for_younger_frames_where_the_timeout_does_not_last_for_a_period) {
+    InputSettings input = ibus_input();
+    input.supervision.timeout = 20ms;
+    OutputSettings output = sbus_output({0});
+    output.schedule.period = 15ms;
+    Bench bench(list(std::move(input)), list(std::move(output)));
+    bench.ibus_run(0, at(1ms), at(2ms), us(1500));
+    EXPECT_EQ(awaited(bench, 10ms), "radio: a good frame, the latest is 9 ms old of at most 5 ms");
+}
+
+TEST(OutputWait, is_for_the_condition_of_release_when) {
+    FailsafeSettings failsafe{.release_when = ValueRule{.channel = 2, .below = us(1050)}};
+    Bench bench(list(ibus_input()), list(sbus_output({0}, failsafe)));
+    bench.ibus_run(0, at(1ms), at(400ms), us(1100));
+    EXPECT_EQ(awaited(bench, 400ms), "release_when: channel 3 below 1050 us; it is at 1200 us");
+    EXPECT_EQ(told_cause(bench, 0, 400ms), LinkCause::good) << "its input can be used";
+}
+
+TEST(OutputWait, is_for_the_line_that_forces_failsafe_and_then_for_recover) {
+    Bench bench(list(ibus_input()), list(sbus_output({0}, proof_of(500ms))),
+                {{.role = LineRole::force_failsafe, .outputs = {0}, .debounce = 0ms}});
+    LineLevels active = kNoLineActive;
+    active.set(0, true);
+    bench.engine().set_lines(active, at(0ms));
+    bench.ibus_run(0, at(1ms), at(600ms), us(1500));
+    EXPECT_EQ(awaited(bench, 600ms), "the GPIO line that forces failsafe");
+    bench.engine().set_lines(kNoLineActive, at(600ms));
+    bench.ibus_run(0, at(601ms), at(800ms), us(1500));
+    EXPECT_EQ(awaited(bench, 800ms), "0.2 of 0.5 s after failsafe was forced");
+}
+
+TEST(OutputWait, is_for_the_input_that_is_nearest_to_control) {
+    Bench bench(list(ibus_input(), ibus_input()), list(sbus_output({0, 1}, proof_of(500ms))));
+    EXPECT_EQ(awaited(bench, 50ms), "radio: never seen") << "the preferred one";
+    bench.ibus_run(1, at(101ms), at(301ms), us(1500));
+    EXPECT_EQ(awaited(bench, 301ms), "backup: good for 0.2 of 0.5 s");
+}
+
+TEST(OutputWait, is_for_what_keeps_its_frames_from_leaving) {
+    Bench bench(list(ibus_input()), list(sbus_output({0})));
+    bench.engine().output(0).set_device_present(false);
+    EXPECT_EQ(awaited(bench, 0ms), "its device, which is gone");
+}
+
+TEST(InputState, is_unproved_until_an_output_can_use_its_frames) {
+    Bench bench(list(ibus_input(), ibus_input()), list(sbus_output({0}, proof_of(500ms))));
+    for (Duration when = 1ms; when < 490ms; when += 8ms) {
+        bench.ibus(0, at(when), us(1500));
+        bench.ibus(1, at(when), us(1500));
+    }
+    EXPECT_EQ(told_cause(bench, 0, 490ms), LinkCause::unproved);
+    EXPECT_EQ(told_cause(bench, 1, 490ms), LinkCause::good) << "it feeds no output";
+    bench.ibus_run(0, at(490ms), at(510ms), us(1500));
+    EXPECT_EQ(told_cause(bench, 0, 510ms), LinkCause::good);
+}
+
+TEST(WaitWatch, tells_a_change_after_its_patience) {
+    WaitWatch watch;
+    EXPECT_EQ(watch.look("silent", false, at(0ms)), "");
+    EXPECT_EQ(watch.look("silent", false, at(699ms)), "");
+    EXPECT_EQ(watch.look("silent", false, at(700ms)), "silent");
+}
+
+TEST(WaitWatch, tells_a_change_at_once_with_a_change_of_the_stage) {
+    WaitWatch watch;
+    EXPECT_EQ(watch.look("silent", true, at(0ms)), "silent");
+    EXPECT_EQ(watch.look("", true, at(10ms)), "");
+}
+
+TEST(WaitWatch, says_nothing_of_a_recovery_without_trouble) {
+    WaitWatch watch;
+    watch.look("silent", true, at(0ms));
+    EXPECT_EQ(watch.look("good", false, at(1000ms)), "silent");
+    EXPECT_EQ(watch.look("good", false, at(1500ms)), "silent");
+    EXPECT_EQ(watch.look("", true, at(1501ms)), "");
+}
+
+TEST(WaitWatch, has_patience_for_all_things_together_that_it_did_not_tell) {
+    WaitWatch watch;
+    watch.look("silent", true, at(0ms));
+    watch.look("good", false, at(100ms));
+    watch.look("lost", false, at(500ms));
+    EXPECT_EQ(watch.look("good", false, at(800ms)), "good");
+}
+
+}  // namespace
+}  // namespace tribus::test::serial::output_wait_test
