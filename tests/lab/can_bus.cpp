@@ -81,6 +81,15 @@ void set_link_down(const std::string& interface) {
     shell("ip link set dev " + interface + " down");
 }
 
+void swap_names(const std::string& one, const std::string& other) {
+    const auto set = [](const std::string& interface, const std::string& what) {
+        return " 'link set dev " + interface + " " + what + "'";
+    };
+    shell("printf '%s\\n'" + set(one, "down") + set(other, "down") + set(one, "name swapped") +
+          set(other, "name " + one) + set("swapped", "name " + other) + set(one, "up") +
+          set(other, "up") + " | ip -batch -");
+}
+
 unsigned interface_index(const std::string& interface) {
     return ::if_nametoindex(interface.c_str());
 }

@@ -105,6 +105,9 @@ class FdControllerPair {
     std::string far_;
 };
 
+/// Gives each of two interfaces the name of the other at once, as udev does with adapters that it
+/// finds in another order. Both are up at the end.
+void swap_names(const std::string& one, const std::string& other);
 void set_link_up(const std::string& interface);
 void set_link_down(const std::string& interface);
 /// Index of the interface, or 0 if there is none.

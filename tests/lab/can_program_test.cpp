@@ -93,6 +93,25 @@ TEST_F(BusFault, InterfaceThatVanishesEndsInFailsafeAndComesBack) {
     expect_clean_end(reader);
 }
 
+TEST_F(BusFault, InterfacesThatSwapTheirNamesAreFollowedByName) {
+    const VirtualBus one("vcan0");
+    const VirtualBus other("vcan1");
+    Program& sender = start_sender({});
+    Program& reader = start_reader({});
+    ASSERT_TRUE(carry_until_control()) << sender.errors() << reader.errors();
+    swap_names("vcan0", "vcan1");
+    EXPECT_TRUE(reader.says("vcan0: is back")) << reader.errors();
+    EXPECT_TRUE(sender.says("vcan0: is back")) << sender.errors();
+    RawCan elsewhere("vcan1");
+    RawCan meant("vcan0");
+    servos().listen();
+    EXPECT_TRUE(carry_until_control()) << sender.errors() << reader.errors();
+    EXPECT_FALSE(meant.receive_all().empty());
+    EXPECT_TRUE(elsewhere.receive_all().empty()) << "it still sends on the bus of before";
+    expect_clean_end(sender);
+    expect_clean_end(reader);
+}
+
 /// A gateway flips a bit in each payload, as a bad controller driver would.
 TEST_F(BusFault, CorruptedFramesEndInFailsafeAndComeBack) {
     const VirtualBus near("vcan0");

@@ -161,6 +161,35 @@ TEST(LabCanFaults, ADeviceThatIsRemovedIsLostForASenderThatNeverReads) {
     EXPECT_EQ(driver.write(), WriteStatus::lost);
 }
 
+TEST(LabCanFaults, ADeviceWhoseNameIsThatOfAnotherOneIsLostAndTheOtherOneIsOpened) {
+    const VirtualBus one("vcan0");
+    const VirtualBus other("vcan1");
+    auto link = open_link("vcan0");
+    LinkDriver driver(*link);
+    EXPECT_EQ(driver.write(), WriteStatus::written);
+    RawCan elsewhere("vcan0");
+    swap_names("vcan0", "vcan1");
+    EXPECT_EQ(driver.write(), WriteStatus::lost);
+    EXPECT_EQ(elsewhere.receive_all().size(), 0U) << "it sent to a bus that has another name now";
+    RawCan meant("vcan0");
+    link = open_link("vcan0");
+    LinkDriver again(*link);
+    EXPECT_EQ(again.write(), WriteStatus::written);
+    EXPECT_TRUE(meant.receive());
+}
+
+TEST(LabCanFaults, ADeviceWhoseNameIsThatOfAnotherOneGivesNothingMoreThatWaits) {
+    const VirtualBus one("vcan0");
+    const VirtualBus other("vcan1");
+    auto link = open_link("vcan0");
+    LinkDriver driver(*link);
+    swap_names("vcan0", "vcan1");
+    RawCan elsewhere("vcan1");
+    EXPECT_EQ(elsewhere.send(make_frame(0x123, {1, 2, 3, 4, 5, 6, 7, 8})), 0);
+    EXPECT_TRUE(driver.run_until([&] { return driver.latest_read() == ReadStatus::lost; }));
+    EXPECT_EQ(driver.counts().received, 0U);
+}
+
 TEST(LabCanFaults, AControllerThatIsUnpluggedIsLostAndCanBeOpenedAgain) {
     ControllerPair pair;
     auto link = open_link(pair.near());

@@ -137,6 +137,12 @@ ReadStatus CanSocket::read(CanReception& reception, Instant now, Duration wall_t
     }
     const auto count = static_cast<std::size_t>(taken);
     buffers_->used = count;
+    // After the frames were read: if the name is still that of this interface, it was so when they
+    // came.
+    read_changes(now);
+    if (lost_) {
+        return ReadStatus::lost;
+    }
     for (std::size_t index = 0; index < count; ++index) {
         if (const auto received = process(index, now, wall_time)) {
             reception.frames[reception.count] = *received;
@@ -168,6 +174,7 @@ ReadStatus CanSocket::read_failed(int error, Instant now, Duration wall_time) {
     if (error == EAGAIN) {
         emptied(now, wall_time);
         read_changes(now);
+        return lost_ ? ReadStatus::lost : ReadStatus::nothing;
     } else if (error == ENETDOWN) {
         // Reported once. The same socket works again when the interface is up
         // (docs/protocols/can.md, "SocketCAN: loss and errors").
@@ -253,6 +260,9 @@ void CanSocket::note_drops(std::uint32_t drops) {
 }
 
 WriteStatus CanSocket::write(std::size_t lane, std::span<const CanFrame> snapshot, Instant now) {
+    if (!lost_) {
+        read_changes(now);
+    }
     if (!lost_ && !up_since_) {
         check_line(now);
     }
