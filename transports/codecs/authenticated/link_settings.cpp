@@ -11,7 +11,9 @@ std::optional<LinkWithKey> link_of(const SettingValues& settings, const std::str
     }
     const auto* old = settings.find_as<KeyFile>("old_key");
     const auto* epoch = settings.find_as<std::string>("epoch");
-    return LinkWithKey{.name = place + " " + settings.get_or<std::string>("link", ""),
+    const auto* link = settings.find_as<std::string>("link");
+    const bool named = link != nullptr && !link->empty();
+    return LinkWithKey{.name = named ? place + " " + *link : place,
                        .secret = file->secret,
                        .old_secret = old == nullptr ? std::nullopt : std::optional(old->secret),
                        .epoch = epoch == nullptr ? std::nullopt : std::optional(*epoch)};
