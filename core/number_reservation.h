@@ -12,8 +12,9 @@ struct NumberBlocks {
 };
 
 /// Numbers that an end of a link uses once for ever, also over restarts: each only after it is
-/// stored that it and all below it may have been used. Who stores that derives from it, and says in
-/// which thread. All functions: for the thread that runs the link.
+/// stored that it and all below it may have been used. Those of a sender follow its clock, so that
+/// receivers see how much time lies between two of them. Who stores that derives from it, and says
+/// in which thread. All functions: for the thread that runs the link, unless they say otherwise.
 class NumberReservation {
   public:
     NumberReservation() = default;
@@ -23,6 +24,8 @@ class NumberReservation {
 
     /// The least number that was not used.
     std::uint64_t next() const { return next_; }
+    /// The number that belongs to a step of the clock. Only for a sender.
+    virtual std::uint64_t at(std::uint64_t step) = 0;
     /// Uses `number`, which is `next` or above it, and all below it. False if it is not reserved
     /// yet. Asks for more before they are used up.
     bool use(std::uint64_t number, const NumberBlocks& blocks) {

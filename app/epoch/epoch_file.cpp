@@ -23,6 +23,7 @@
 #include "app/journal/log.h"
 #include "config/language/read_file.h"
 #include "core/quotes.h"
+#include "pipelines/realtime/clock.h"
 #include "transports/codecs/authenticated/broadcast.h"
 
 namespace tribus {
@@ -30,7 +31,8 @@ namespace {
 
 constexpr std::string_view kFirstLine = "tribus epoch 1\n";
 constexpr std::string_view kSecondLine = "next ";
-constexpr std::size_t kMostBytes = 64;
+constexpr std::string_view kThirdLine = "clock ";
+constexpr std::size_t kMostBytes = 256;
 constexpr mode_t kOwnerOnly = 0600;
 /// A stack of the usual 8 MB would count as locked memory.
 constexpr std::size_t kEpochStackBytes = std::size_t{128} * 1024;
@@ -43,20 +45,20 @@ const NumberBlocks& blocks_of(SettingScope way) {
                                        : authenticated::BroadcastReceiver::kNumbers;
 }
 
-std::optional<std::uint64_t> number_in(std::string_view text) {
-    if (!text.starts_with(kFirstLine)) {
+/// Removes `word` and the number behind it, which a blank or the end of the line ends.
+std::optional<std::uint64_t> take_number(std::string_view& text, std::string_view word) {
+    if (!text.starts_with(word)) {
         return std::nullopt;
     }
-    text.remove_prefix(kFirstLine.size());
-    if (!text.starts_with(kSecondLine) || !text.ends_with('\n')) {
-        return std::nullopt;
-    }
-    text.remove_prefix(kSecondLine.size());
-    text.remove_suffix(1);
+    text.remove_prefix(word.size());
     std::uint64_t number = 0;
-    const auto read = std::from_chars(text.data(), text.data() + text.size(), number);
-    const bool whole = read.ec == std::errc{} && read.ptr == text.data() + text.size();
-    return whole && number < 2 * kMostFirst ? std::optional(number) : std::nullopt;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+    if (error != std::errc{} || text.empty() || (text.front() != '\n' && text.front() != ' ')) {
+        return std::nullopt;
+    }
+    text.remove_prefix(1);
+    return number;
 }
 
 /// A sender whose file was lost must not use its numbers again.
@@ -106,11 +108,11 @@ tl::expected<void, std::string> EpochFile::open(SettingScope way) {
     }
     auto opened = lock();
     if (opened) {
-        const auto first = read(way);
-        opened = first ? tl::expected<void, std::string>{} : tl::unexpected(first.error());
-        if (first) {
-            begin(*first);
-            opened = store(*first + blocks_of(way).block);
+        const auto stored = read(way);
+        opened = stored ? tl::expected<void, std::string>{} : tl::unexpected(stored.error());
+        if (stored) {
+            begin_after(*stored, way);
+            opened = store(next() + blocks_of(way).block);
         }
     }
     if (opened) {
@@ -141,28 +143,85 @@ tl::expected<void, std::string> EpochFile::lock() {
     return {};
 }
 
-tl::expected<std::uint64_t, std::string> EpochFile::read(SettingScope way) const {
+std::optional<EpochFile::Content> EpochFile::content_of(std::string_view text) {
+    if (!text.starts_with(kFirstLine)) {
+        return std::nullopt;
+    }
+    text.remove_prefix(kFirstLine.size());
+    const auto number = take_number(text, kSecondLine);
+    if (!number || *number >= 2 * kMostFirst) {
+        return std::nullopt;
+    }
+    Content content{.next = *number};
+    if (text.starts_with(kThirdLine)) {
+        text.remove_prefix(kThirdLine.size());
+        content.run.name = text.substr(0, text.find(' '));
+        text.remove_prefix(content.run.name.size());
+        const auto asleep = take_number(text, " ");
+        const auto zero = take_number(text, "");
+        if (!asleep || !zero) {
+            return std::nullopt;
+        }
+        content.run.asleep = Duration(static_cast<Duration::rep>(*asleep));
+        content.zero = *zero;
+    }
+    return text.empty() ? std::optional(content) : std::nullopt;
+}
+
+tl::expected<EpochFile::Content, std::string> EpochFile::read(SettingScope way) const {
     std::error_code missing;
     if (!std::filesystem::exists(path_, missing) && !missing) {
-        return way == SettingScope::output ? first_of_new_sender() : 0;
+        const auto first = way == SettingScope::output
+                               ? first_of_new_sender()
+                               : tl::expected<std::uint64_t, std::string>(0);
+        return first.map([](std::uint64_t number) { return Content{.next = number}; });
     }
     const auto text = read_file(path_, kMostBytes);
     if (!text) {
         return tl::unexpected(fmt::format("cannot read {}: {}", path_, text.error()));
     }
-    const auto number = number_in(*text);
-    if (!number) {
+    auto content = content_of(*text);
+    if (!content) {
         return tl::unexpected(fmt::format(
             "{} is no epoch file: it has {} instead of {}; name another file", path_,
             in_quotes(*text, 20), in_quotes(fmt::format("{}next NUMBER\n", kFirstLine))));
     }
-    return *number;
+    return std::move(*content);
+}
+
+/// Where the clock went on since the file was written, all numbers before now may have been used,
+/// and none after. Else those that the file names, and a step shows the new clock.
+void EpochFile::begin_after(const Content& stored, SettingScope way) {
+    if (way != SettingScope::output) {
+        begin(stored.next);
+        return;
+    }
+    const std::uint64_t step = authenticated::clock_step(monotonic_now());
+    run_ = clock_run();
+    const std::uint64_t now = stored.zero + step;
+    // What is reserved is at most a block ahead: a clock that is further behind went back.
+    const bool goes_on = !run_->name.empty() && run_->is_same(stored.run) && now < 2 * kMostFirst &&
+                         now + blocks_of(way).block >= stored.next;
+    const std::uint64_t first = goes_on ? now : stored.next + authenticated::kNewClockNumbers;
+    begin(first);
+    set_clock(first, step);
+}
+
+void EpochFile::set_clock(std::uint64_t number, std::uint64_t step) {
+    zero_.store(number - step, std::memory_order_release);
+}
+
+std::string EpochFile::clock_line() {
+    const std::lock_guard guard(mutex_);
+    return !run_ ? ""
+                 : fmt::format("{}{} {} {}\n", kThirdLine, run_->name, run_->asleep.count(),
+                               zero_.load(std::memory_order_acquire));
 }
 
 /// Any thread, but one at a time.
 tl::expected<void, std::string> EpochFile::store(std::uint64_t end) {
-    auto stored =
-        replace_file(path_, fmt::format("{}{}{}\n", kFirstLine, kSecondLine, end), kOwnerOnly);
+    auto stored = replace_file(
+        path_, fmt::format("{}{}{}\n{}", kFirstLine, kSecondLine, end, clock_line()), kOwnerOnly);
     if (!stored) {
         return tl::unexpected("cannot write " + stored.error());
     }
@@ -217,8 +276,13 @@ void* EpochFile::main(void* self) {
     return nullptr;
 }
 
-void EpochFile::look() {
+void EpochFile::look(const ClockRun& run) {
     const std::lock_guard guard(mutex_);
+    if (run_ && !run_->is_same(run)) {
+        run_ = run;
+        set_clock(reserved() + authenticated::kNewClockNumbers,
+                  authenticated::clock_step(monotonic_now()));
+    }
     const bool fails = !error_.empty();
     if (fails && !told_failure_) {
         log_error("epoch: {}; its link falls silent when the stored numbers are used up", error_);

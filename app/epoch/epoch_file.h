@@ -6,23 +6,28 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <semaphore>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <tl/expected.hpp>
 
+#include "app/epoch/clock_run.h"
 #include "core/number_reservation.h"
 #include "core/setting.h"
 #include "transports/links/unique_fd.h"
 
 namespace tribus {
 
-/// The file of `epoch`: below which number one end of a link may have used all of them. Two lines,
-/// `tribus epoch 1` and `next NUMBER`. While the program runs, the number in the file is the end of
-/// what is reserved, and after it ended the exact one. The data thread uses the numbers; a thread
-/// of its own writes the file, so that nobody waits for a slow disk. Thread-bound to the main
-/// thread, unless a function says otherwise.
+/// The file of `epoch`: below which number one end of a link may have used all of them. Its lines
+/// are `tribus epoch 1` and `next NUMBER`, and that of a sender has `clock RUN ASLEEP ZERO`: the
+/// ClockRun, its time asleep in ns, and the number of step 0 of the clock, so that a sender that
+/// starts again goes on by the same clock. While the program runs, the number in the file is the
+/// end of what is reserved, and after it ended the exact one. The data thread uses the numbers; a
+/// thread of its own writes the file, so that nobody waits for a slow disk. Thread-bound to the
+/// main thread, unless a function says otherwise.
 class EpochFile final : public NumberReservation {
   public:
     /// It has no numbers until `open`. In one process a path has one of these at a time, so that a
@@ -35,15 +40,31 @@ class EpochFile final : public NumberReservation {
     /// input or output. A file that is missing is made. Blocks until it is on the disk. No effect
     /// if it is open. The error is a sentence.
     tl::expected<void, std::string> open(SettingScope way);
-    /// Logs if the file cannot be written any more, or can again. Call it a few times a second.
-    void look();
+    /// For the data thread.
+    std::uint64_t at(std::uint64_t step) override {
+        return zero_.load(std::memory_order_acquire) + step;
+    }
+    /// Logs if the file cannot be written any more, or can again. After a suspend a sender's
+    /// numbers follow a new clock. Call it a few times a second. `run`: of now.
+    void look(const ClockRun& run = clock_run());
 
   private:
+    /// What a file says.
+    struct Content {
+        std::uint64_t next = 0;
+        ClockRun run{};
+        std::uint64_t zero = 0;
+    };
+
     explicit EpochFile(std::string path) : path_(std::move(path)) {}
     std::uint64_t reserved() const override { return reserved_.load(std::memory_order_acquire); }
     void want(std::uint64_t end) override;
     tl::expected<void, std::string> lock();
-    tl::expected<std::uint64_t, std::string> read(SettingScope way) const;
+    static std::optional<Content> content_of(std::string_view text);
+    tl::expected<Content, std::string> read(SettingScope way) const;
+    void begin_after(const Content& stored, SettingScope way);
+    void set_clock(std::uint64_t number, std::uint64_t step);
+    std::string clock_line();
     tl::expected<void, std::string> store(std::uint64_t end);
     tl::expected<void, std::string> start_thread();
     static void* main(void* self);
@@ -52,6 +73,7 @@ class EpochFile final : public NumberReservation {
     std::string path_;
     UniqueFd lock_;  ///< valid: it is open
     std::atomic<std::uint64_t> reserved_{0};
+    std::atomic<std::uint64_t> zero_{0};  ///< the number of step 0, modulo 2^64
     std::atomic<std::uint64_t> wanted_{0};
 
     /// Who sets it releases `go_`; the file's thread clears it.
@@ -59,7 +81,8 @@ class EpochFile final : public NumberReservation {
     std::counting_semaphore<2> go_{0};
     std::atomic<bool> ends_{false};
     std::mutex mutex_;
-    std::string error_;  ///< of the latest writing; under `mutex_`
+    std::string error_;              ///< of the latest writing; under `mutex_`
+    std::optional<ClockRun> run_{};  ///< of a sender's numbers; under `mutex_`
     bool told_failure_ = false;
     bool has_thread_ = false;
     pthread_t thread_{};

@@ -211,6 +211,33 @@ TEST_F(Network, WithAnEpochNeedsNoHandWhenEitherEndStartsAgain) {
     expect_clean_end(boat_again);
 }
 
+/// Longer away than `timeout`, so that what comes then looks late to a boat that does not know for
+/// how long the shore was away. Meanwhile somebody sends all again.
+TEST_F(Network, WithAnEpochComesBackHoweverTheShoreEndedAndRecordedFramesMoveNothing) {
+    Program& boat = run(boat_config(kBoatEpoch));
+    int first_us = 1300;
+    for (const int end : {SIGTERM, SIGKILL, SIGTERM, SIGTERM}) {
+        Program& shore = run(shore_config(kShoreEpoch));
+        ASSERT_TRUE(servos_follow(first_us)) << boat.errors() << shore.errors();
+        shore.signal(end);
+        shore.end();
+        std::this_thread::sleep_for(std::chrono::milliseconds(900));
+        route();
+        servos_.listen();
+        for (int turn = 0; turn < 3; ++turn) {
+            for (const Bytes& datagram : seen_) {
+                outside_->send_to(boat_port_, datagram);
+            }
+            std::this_thread::sleep_for(std::chrono::milliseconds(300));
+            for (const SbusSight& sight : servos_.listen()) {
+                EXPECT_FALSE(sight.good());
+            }
+        }
+        first_us += 100;
+    }
+    expect_clean_end(boat);
+}
+
 TEST_F(Network, WithAnEpochRecordedFramesMoveNothingAlsoAfterAStart) {
     expect_recorded_frames_to_move_nothing(kBoatEpoch, kShoreEpoch);
 }

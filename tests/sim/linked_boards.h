@@ -88,7 +88,7 @@ class Board : StationObserver {
               configuration, {},
               {.random = next_seed, .numbers = [&](const std::string&) { return &epoch; }})),
           loop_(*engine_, *this, start) {
-        epoch.start();
+        epoch.start(start);
     }
 
     void run_until(Instant until) {

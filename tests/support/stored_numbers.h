@@ -2,25 +2,39 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 
 #include "core/number_reservation.h"
+#include "core/time.h"
+#include "transports/codecs/authenticated/broadcast.h"
 
 namespace tribus::test {
 
 /// An epoch file without a disk. A test says when it is written, and when its program starts again.
 class StoredNumbers final : public NumberReservation {
   public:
-    explicit StoredNumbers(std::uint64_t number) : stored_(number) { start(); }
+    explicit StoredNumbers(std::uint64_t number) : stored_(number) { start(Instant{}); }
 
-    /// Forgets what was used but not stored, as after SIGKILL.
-    void start() {
-        begin(stored_);
+    /// Forgets what was used but not stored, as after SIGKILL. A sender goes on by its clock.
+    void start(Instant now) {
+        begin(zero_ ? at(authenticated::clock_step(now)) : stored_);
         reserved_ = stored_;
         wanted_ = 0;
+    }
+    /// The least number that was not used belongs to the first step that is asked for.
+    std::uint64_t at(std::uint64_t step) override {
+        zero_ = zero_.value_or(next() - step);
+        return *zero_ + step;
     }
     void store() {
         stored_ = std::max(stored_, wanted_);
         reserved_ = stored_;
+    }
+    /// The machine starts again or was suspended: what a sender has used is known, but not how much
+    /// time has passed since.
+    void lose_clock(Instant now) {
+        stored_ = std::max(stored_, next()) + authenticated::kNewClockNumbers;
+        zero_ = stored_ - authenticated::clock_step(now);
     }
     /// As an orderly end, after which nothing that was reserved is lost.
     void stop() { stored_ = next(); }
@@ -32,6 +46,7 @@ class StoredNumbers final : public NumberReservation {
     std::uint64_t stored_;
     std::uint64_t reserved_ = 0;
     std::uint64_t wanted_ = 0;
+    std::optional<std::uint64_t> zero_{};
 };
 
 }  // namespace tribus::test

@@ -10,8 +10,6 @@ namespace {
 constexpr std::size_t kSentNumberAt = 4;
 constexpr unsigned kNumberBitsOfMac = 16;
 constexpr std::size_t kKeyNumberBytes = 6;
-/// Numbers of senders that go on are closer than that: a day apart.
-constexpr std::uint64_t kLeastStep = std::chrono::hours(24) / kTimeStep;
 
 }  // namespace
 
@@ -30,12 +28,7 @@ bool BroadcastSender::write(const ChannelFrame& channels, SnapshotMessage& messa
     if (numbers_ == nullptr) {
         return false;
     }
-    if (!clock_) {
-        clock_ = {numbers_->next(), now};
-    }
-    const auto since =
-        static_cast<std::uint64_t>(std::max(now - clock_->began, Duration{}) / kTimeStep);
-    const std::uint64_t number = std::max(clock_->number + since, numbers_->next());
+    const std::uint64_t number = std::max(numbers_->at(clock_step(now)), numbers_->next());
     if (!numbers_->use(number, kNumbers)) {
         return false;
     }
@@ -83,10 +76,10 @@ std::optional<ChannelFrame> BroadcastReceiver::refuse(Refusal refusal, LinkCause
     return std::nullopt;
 }
 
-/// How much later than the quickest one a snapshot came. A step of the number at a restart of the
-/// sender looks like one that came very early, and is the quickest then.
+/// How much later than the quickest one a snapshot came. The first one by another clock of the
+/// sender is taken for the quickest.
 Duration BroadcastReceiver::delay_of(std::uint64_t number, Instant received) {
-    if (quickest_ && number - quickest_->number < kLeastStep) {
+    if (quickest_ && number - quickest_->number < kNewClockNumbers) {
         const Duration told = static_cast<std::int64_t>(number - quickest_->number) * kTimeStep;
         const Duration passed = received - quickest_->received;
         const Duration delay = passed - told - passed / kDriftParts;

@@ -23,6 +23,16 @@
 ///               made of the other 48 bits
 namespace tribus::authenticated {
 
+/// A sender leaves out at least so many numbers, a day, where it does not know how much time passed
+/// since the last one: the machine started again or was suspended. So receivers see that its
+/// numbers follow another clock.
+inline constexpr std::uint64_t kNewClockNumbers = std::chrono::hours(24) / kTimeStep;
+
+/// Steps of numbers since the zero of instants.
+constexpr std::uint64_t clock_step(Instant now) {
+    return static_cast<std::uint64_t>(now.time_since_epoch() / kTimeStep);
+}
+
 /// The MACs of broadcast snapshots by one key. Thread-bound.
 class BroadcastMacs {
   public:
@@ -55,10 +65,6 @@ class BroadcastSender {
 
     /// Without them it sends nothing. Call before the first `write`. Must outlive it.
     void use_numbers(NumberReservation& numbers) { numbers_ = &numbers; }
-    /// Goes on with the clock of `before`, if it has the same numbers.
-    void continue_from(const BroadcastSender& before) {
-        clock_ = numbers_ == before.numbers_ ? before.clock_ : clock_;
-    }
 
     /// Writes a snapshot that leaves at `now`. False if no number is reserved for it.
     bool write(const ChannelFrame& channels, SnapshotMessage& message, Instant now);
@@ -66,18 +72,13 @@ class BroadcastSender {
   private:
     BroadcastMacs macs_;
     NumberReservation* numbers_ = nullptr;
-    /// The number of now, and its time.
-    struct Clock {
-        std::uint64_t number = 0;
-        Instant began{};
-    };
-    std::optional<Clock> clock_;
 };
 
 /// The end that receives. It accepts each number once, and none below the highest one, also after
 /// it started again. It cannot know how long the first snapshot was on its way: it takes the
-/// quickest one since then as one that was not, and tells by how much the others were later. Pure:
-/// no descriptor, clock or heap. Thread-bound.
+/// quickest one since then as one that was not, and tells by how much the others were later, over
+/// restarts of the sender too, as long as its numbers follow one clock. Pure: no descriptor, clock
+/// or heap. Thread-bound.
 class BroadcastReceiver {
   public:
     /// 20 s; the next ones when half of them are used up. So long it may be deaf after it was
@@ -92,6 +93,12 @@ class BroadcastReceiver {
 
     /// Without them it publishes nothing. Call before the first `next`. Must outlive it.
     void use_numbers(NumberReservation& numbers) { numbers_ = &numbers; }
+
+    /// From now on the keys of `fresh` count. Order and quickest snapshot stay.
+    void use_keys_of(const BroadcastReceiver& fresh) {
+        macs_ = fresh.macs_;
+        old_ = fresh.old_;
+    }
 
     /// Takes a message that arrived at `received`. `received` of what it publishes is the time
     /// since which the values may have been old.

@@ -28,7 +28,6 @@ BroadcastEncoder::BroadcastEncoder(const FdLink& link)
 
 void BroadcastEncoder::continue_from(const Encoder& before) {
     if (const auto* same = dynamic_cast<const BroadcastEncoder*>(&before)) {
-        sender_.continue_from(same->sender_);
         withheld_ = same->withheld_;
     }
 }

@@ -64,12 +64,12 @@ class Broadcast : public ::testing::Test {
     }
     void restart_receiver() {
         receiver_ = BroadcastReceiver(keys(), std::nullopt);
-        received_.start();
+        received_.start(Instant{});
         receiver_.use_numbers(received_);
     }
-    void restart_sender() {
+    void restart_sender(Instant now) {
         sender_ = BroadcastSender(keys());
-        sent_.start();
+        sent_.start(now);
         sender_.use_numbers(sent_);
     }
 
@@ -155,13 +155,98 @@ TEST_F(Broadcast, IsDeafForAtMost20SecondsAfterItWasKilled) {
 
 TEST_F(Broadcast, IsHeardAtOnceAfterItsSenderStartedAgain) {
     EXPECT_TRUE(read(write(at(0ms)), at(0ms)));
-    restart_sender();
-    write(at(10ms));
+    restart_sender(at(10ms));
+    EXPECT_TRUE(read(write(at(10ms)), at(10ms)));
+}
+
+/// The age of its first snapshot is known, as if it had gone on.
+TEST_F(Broadcast, KnowsTheTimeForWhichItsSenderWasAway) {
+    Duration now = 0ms;
+    for (const Duration away : {Duration(100ms), Duration(1s), Duration(60s), Duration(13h)}) {
+        for (const bool in_order : {true, false}) {
+            EXPECT_TRUE(read(write(at(now)), at(now)));
+            store();
+            if (in_order) {
+                sent_.stop();
+            }
+            now += away;
+            restart_sender(at(now));
+            write(at(now));
+            store();
+            read(write(at(now)), at(now + 300ms));
+            store();
+            const auto late = read(write(at(now + 10ms)), at(now + 310ms));
+            store();
+            ASSERT_TRUE(late);
+            EXPECT_LE(late->received, at(now + 10ms) - 1500us + away / 5000 + 1ms);
+            const auto quick = read(write(at(now + 320ms)), at(now + 320ms));
+            ASSERT_TRUE(quick);
+            EXPECT_GE(quick->received, at(now + 320ms) - 1500us - 1ms);
+            now += 1s;
+        }
+    }
+}
+
+/// Nobody knows for how long it was away. What is held back from then on is not seen.
+TEST_F(Broadcast, TakesTheFirstSnapshotByAnotherClockForTheQuickest) {
+    EXPECT_TRUE(read(write(at(0ms)), at(0ms)));
+    sent_.lose_clock(at(10s));
+    restart_sender(at(10s));
+    write(at(10s));
     store();
-    const Message first = write(at(20ms));
-    EXPECT_FALSE(read(first, at(20ms))) << "its number is not stored yet";
+    EXPECT_FALSE(read(write(at(10s)), at(100s))) << "the receiver has not stored its number yet";
     store();
-    EXPECT_TRUE(read(write(at(30ms)), at(30ms)));
+    const auto first = read(write(at(10s + 10ms)), at(100s + 10ms));
+    ASSERT_TRUE(first);
+    EXPECT_EQ(first->received, at(100s + 10ms) - 1500us);
+}
+
+/// The clock stood still meanwhile.
+TEST_F(Broadcast, IsHeardAgainWhereItsSenderWasSuspended) {
+    EXPECT_TRUE(read(write(at(0ms)), at(0ms)));
+    const auto before = read(write(at(10ms)), at(60s));
+    ASSERT_TRUE(before);
+    EXPECT_LT(before->received, at(13s)) << "it cannot know that nobody held it back";
+    sent_.lose_clock(at(20ms));
+    EXPECT_TRUE(write(at(20ms)).empty()) << "its number is not stored yet";
+    store();
+    read(write(at(30ms)), at(60s + 20ms));
+    store();
+    const auto after = read(write(at(40ms)), at(60s + 30ms));
+    ASSERT_TRUE(after);
+    EXPECT_EQ(after->received, at(60s + 30ms) - 1500us);
+}
+
+/// Snapshots that nobody heard, the last one before an orderly end among them.
+TEST_F(Broadcast, KnowsTheAgeOfWhatAFormerRunSent) {
+    EXPECT_TRUE(read(write(at(0ms)), at(0ms)));
+    std::vector<Message> kept;
+    Duration now = 10ms;
+    for (int run = 0; run < 3; ++run) {
+        for (int i = 0; i < 100; ++i) {
+            kept.push_back(write(at(now)));
+            now += 10ms;
+        }
+        store();
+        sent_.stop();
+        now += 2s;
+        restart_sender(at(now));
+        write(at(now));
+        store();
+    }
+    for (const Message& message : kept) {
+        const auto frame = read(message, at(now));
+        store();
+        if (frame) {
+            EXPECT_LT(frame->received, at(now - 1s));
+        }
+    }
+    EXPECT_TRUE(read(write(at(now)), at(now)));
+    const std::uint64_t replayed = rejected("replayed");
+    for (const Message& message : kept) {
+        EXPECT_FALSE(read(message, at(now)));
+    }
+    EXPECT_EQ(rejected("replayed"), replayed + kept.size());
 }
 
 TEST_F(Broadcast, RefusesEverySnapshotWithAChangedBitOrACut) {
@@ -210,7 +295,8 @@ TEST_F(Broadcast, TakesClocksThatDriftForNoDelay) {
             ASSERT_TRUE(frame);
             ASSERT_LE(arrival - frame->received, 1500us + 100us);
         }
-        restart_sender();
+        sent_.lose_clock(at(0ms));
+        restart_sender(at(0ms));
         write(at(0ms));
         store();
         read(write(at(0ms)), at(0ms));
