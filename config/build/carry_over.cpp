@@ -46,9 +46,33 @@ std::vector<std::size_t> left_over(std::size_t count, const std::vector<CarriedF
     return left;
 }
 
+SettingValues without_keys(const SettingValues& settings) {
+    SettingValues others;
+    for (const auto& [key, value] : settings) {
+        if (!std::holds_alternative<KeyFile>(value)) {
+            others.set(key, value);
+        }
+    }
+    return others;
+}
+
+/// Whether a key counts before and after: the link goes on while keys are changed.
+bool have_common_key(const InputConfig& a, const InputConfig& b) {
+    const auto before = link_with_key(a);
+    const auto after = link_with_key(b);
+    if (!before || !after) {
+        return false;
+    }
+    const auto counts = [&](const SecretKey& secret) {
+        return secret == after->secret || secret == after->old_secret;
+    };
+    return counts(before->secret) || (before->old_secret && counts(*before->old_secret));
+}
+
 bool alike_inputs(const InputConfig& a, const InputConfig& b) {
     return a.protocol == b.protocol && same_device(a.port, b.port) && a.port.line == b.port.line &&
-           a.settings == b.settings;
+           (a.settings == b.settings ||
+            (without_keys(a.settings) == without_keys(b.settings) && have_common_key(a, b)));
 }
 
 bool alike_outputs(const OutputConfig& a, const OutputConfig& b) {
@@ -99,6 +123,8 @@ std::vector<InputCarry> carry_inputs(const Configuration& running, const Configu
         carries[i].from = from[i];
         carries[i].same_channels =
             from[i] && running.inputs[*from[i]].channels == fresh.inputs[i].channels;
+        carries[i].new_keys =
+            from[i] && running.inputs[*from[i]].settings != fresh.inputs[i].settings;
     }
     return carries;
 }

@@ -18,6 +18,8 @@ struct InputCarry {
     CarriedFrom from{};
     /// Its own channel rules are unchanged, so that its slews continue.
     bool same_channels = false;
+    /// Its keys have changed, but not all of them.
+    bool new_keys = false;
 };
 
 /// How an output continues.

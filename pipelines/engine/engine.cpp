@@ -46,7 +46,7 @@ void Engine::start(Instant now) {
 void Engine::continue_from(Engine& before, const EngineCarry& carry, Instant now) {
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
         if (const CarriedFrom from = carry.inputs[i].from) {
-            inputs_[i].continue_from(before.inputs_[*from], carry.inputs[i].same_channels, now);
+            inputs_[i].continue_from(before.inputs_[*from], carry.inputs[i], now);
         }
     }
     for (std::size_t i = 0; i < nodes_.size(); ++i) {

@@ -18,15 +18,18 @@ Input::Input(InputSettings settings, std::uint8_t index)
     }
 }
 
-void Input::continue_from(Input& before, bool same_channels, Instant now) {
+void Input::continue_from(Input& before, const InputCarry& carry, Instant now) {
     std::swap(decoder_, before.decoder_);
+    if (carry.new_keys) {
+        std::visit([&](auto& decoder) { decoder->use_keys_of(before.decoder()); }, decoder_);
+    }
     ongoing_ = before.ongoing_;
     ongoing_.latest.source = index_;
     mapped_ = before.control();
     supervisor_.continue_from(before.supervisor_, now);
     supervisor_.ask(decoder());
     looked_at_ = kNever;
-    if (same_channels) {
+    if (carry.same_channels) {
         std::swap(map_, before.map_);
     } else if (map_ && supervisor_.ever_good()) {
         map_->restart_from(mapped_, now);

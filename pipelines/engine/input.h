@@ -15,6 +15,7 @@
 #include "core/channel_frame.h"
 #include "core/link_cause.h"
 #include "core/time.h"
+#include "pipelines/engine/carry_over.h"
 #include "pipelines/rules/channel_map.h"
 #include "pipelines/rules/link_supervisor.h"
 #include "pipelines/rules/settings.h"
@@ -56,10 +57,10 @@ class Input {
     /// `index`: of this input, stored in its frames as their source.
     Input(InputSettings settings, std::uint8_t index);
 
-    /// Takes over the state of `before`, an input with the same protocol and protocol settings: a
-    /// frame received in part, the state of the link and the counters. `before` is unusable
-    /// afterwards.
-    void continue_from(Input& before, bool same_channels, Instant now);
+    /// Takes over the state of `before`, an input with the same protocol and protocol settings, but
+    /// for its keys: a frame received in part, the state of the link and the counters. `before` is
+    /// unusable afterwards.
+    void continue_from(Input& before, const InputCarry& carry, Instant now);
 
     /// Takes bytes that were read at `now`. Returns true if they completed a frame.
     bool receive(std::span<const std::uint8_t> bytes, Instant now) {

@@ -113,6 +113,7 @@ class Network : public Loopback {
     std::uint16_t boat_port_ = free_udp_port();
     std::uint16_t shore_port_ = 0;
     std::vector<Bytes> seen_;
+    int first_us_ = 1200;
 };
 
 TEST_F(Network, WithAKeyCarriesSticksThroughARouterThatChangesItsPort) {
@@ -267,6 +268,35 @@ TEST_F(Network, WithAnEpochGoesOnOverAReload) {
     expect_clean_end(boat);
     const std::string after = boat.errors().substr(boat.errors().find("reloaded "));
     EXPECT_EQ(after.find("input shore"), std::string::npos) << "its link was never lost: " << after;
+}
+
+/// docs/protocols/network.md, "Change the key".
+TEST_F(Network, WithAKeyGoesOnWhileTheKeyIsChanged) {
+    write_key("new.key", '8');
+    Program& boat = run(boat_config(kKey));
+    Program& shore = run(shore_config(kKey));
+    ASSERT_TRUE(servos_follow(1700)) << boat.errors() << shore.errors();
+    const auto reload = [&](Program& program) {
+        const std::size_t before = program.errors().size();
+        program.signal(SIGHUP);
+        EXPECT_TRUE(eventually([&] {
+            radio_.send_if_due();
+            route();
+            return program.errors().find("reloaded ", before) != std::string::npos;
+        })) << program.errors();
+        EXPECT_TRUE(servos_follow(first_us_ += 50)) << boat.errors() << shore.errors();
+    };
+    boat_config("key = \"new.key\"\nold_key = \"boat.key\"\n");
+    reload(boat);
+    shore_config("key = \"new.key\"\n");
+    reload(shore);
+    const std::size_t changed = boat.errors().size();
+    boat_config("key = \"new.key\"\n");
+    reload(boat);
+    EXPECT_EQ(boat.errors().find("input shore", changed), std::string::npos)
+        << "the link was lost: " << boat.errors();
+    expect_clean_end(shore);
+    expect_clean_end(boat);
 }
 
 TEST_F(Network, WithAnEpochThatCannotBeKeptDoesNotStart) {

@@ -79,6 +79,10 @@ class DecoderReport {
     virtual LinkCause why_garbled() const { return LinkCause::garbled; }
     /// The latest statistics of the radio link. Null if the protocol has none, or before the first.
     virtual const RadioStatistics* radio_statistics() const { return nullptr; }
+    /// From now on the keys of `fresh` count, a decoder of the same protocol whose settings differ
+    /// in its keys only. What the link was stays: who has a key that counts before and after does
+    /// not notice it.
+    virtual void use_keys_of(const DecoderReport& /*fresh*/) {}
 };
 
 /// Bytes in, frames out. Pure: no descriptor, clock, log or heap. Reads the given bytes in place

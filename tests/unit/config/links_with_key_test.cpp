@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "config/build/build.h"
+#include "config/build/carry_over.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/config/main_job.h"
 
@@ -197,6 +198,35 @@ TEST_F(LinksWithKey, AnswerAndHearOnTheirPorts) {
     EXPECT_EQ(output->wiring.stations,
               (std::vector<Station>{{StationKind::output, 0}, {StationKind::replies, 0}}));
     EXPECT_FALSE(output->wiring.answers);
+}
+
+/// As keys are changed: the new one beside the old one, then alone.
+TEST_F(LinksWithKey, GoOnAtAReloadThatLeavesThemAKey) {
+    const std::string old_alone = "key = \"a.key\"\n";
+    const std::string both_keys = "key = \"b.key\"\nold_key = \"a.key\"\n";
+    const std::string new_alone = "key = \"b.key\"\n";
+    const auto carry = [&](const std::string& before, const std::string& after) {
+        const auto with = [&](const std::string& lines) {
+            return *load_configuration(
+                both(network("127.0.0.1:5700", lines), network("127.0.0.1:5701", "")),
+                folder_ / "t.toml");
+        };
+        return plan_carry_over(with(before), with(after)).engine.inputs.front();
+    };
+    for (const auto& [before, after] :
+         {std::pair(old_alone, both_keys), {both_keys, new_alone}, {both_keys, old_alone}}) {
+        EXPECT_EQ(carry(before, after).from, 0U) << before << after;
+        EXPECT_TRUE(carry(before, after).new_keys);
+    }
+    EXPECT_EQ(carry(both_keys, both_keys).from, 0U);
+    EXPECT_FALSE(carry(both_keys, both_keys).new_keys);
+    const std::string plain;
+    for (const auto& [before, after] : {std::pair(old_alone, new_alone),
+                                        {old_alone, plain},
+                                        {plain, old_alone},
+                                        {old_alone, both_keys + "link = \"other\"\n"}}) {
+        EXPECT_EQ(carry(before, after).from, std::nullopt) << before << after;
+    }
 }
 
 }  // namespace

@@ -18,6 +18,12 @@ BroadcastDecoder::BroadcastDecoder(const FdLink& link)
     : sender_id_{.id = link.sender_id, .extended = link.extended},
       receiver_(broadcast_keys(link.keys.secret, link), old_broadcast_keys(link)) {}
 
+void BroadcastDecoder::use_keys_of(const DecoderReport& fresh) {
+    if (const auto* same = dynamic_cast<const BroadcastDecoder*>(&fresh)) {
+        receiver_.use_keys_of(same->receiver_);
+    }
+}
+
 std::optional<ChannelFrame> BroadcastDecoder::next(const CanFrame& frame, Instant received) {
     return sender_id_.matches(frame) ? receiver_.next(message_in(frame), received) : std::nullopt;
 }

@@ -29,6 +29,7 @@ class BroadcastDecoder final : public CanDecoder {
     void use_numbers(NumberReservation& numbers) override { receiver_.use_numbers(numbers); }
     /// See BroadcastReceiver::rejected.
     std::span<const NamedCount> rejected() const override { return receiver_.rejected(); }
+    void use_keys_of(const DecoderReport& fresh) override;
     LinkCause why_garbled() const override { return receiver_.why_refused(); }
 
   private:

@@ -75,6 +75,12 @@ ClassicDecoder::ClassicDecoder(const ClassicLink& link)
     rejected_.push_back({"incomplete"});
 }
 
+void ClassicDecoder::use_keys_of(const DecoderReport& fresh) {
+    if (const auto* same = dynamic_cast<const ClassicDecoder*>(&fresh)) {
+        messages_->use_keys_of(*same->messages_);
+    }
+}
+
 void ClassicDecoder::count_rejected() {
     std::ranges::copy(messages_->rejected(), rejected_.begin());
     rejected_.back().count = frames_.snapshots.incomplete() + frames_.hellos.incomplete();

@@ -90,6 +90,7 @@ class ClassicDecoder final : public CanDecoder {
     /// Those of the decoder of whole messages, and "incomplete": messages of which a frame was
     /// lost.
     std::span<const NamedCount> rejected() const override { return rejected_; }
+    void use_keys_of(const DecoderReport& fresh) override;
     LinkCause why_garbled() const override { return messages_->why_garbled(); }
 
   private:

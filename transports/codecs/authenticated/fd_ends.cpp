@@ -19,6 +19,12 @@ FdDecoder::FdDecoder(const FdLink& link)
       receiver_(LinkMacs(link.keys.secret, link.keys.name),
                 macs_of(link.keys.old_secret, link.keys.name), {}) {}
 
+void FdDecoder::use_keys_of(const DecoderReport& fresh) {
+    if (const auto* same = dynamic_cast<const FdDecoder*>(&fresh)) {
+        receiver_.use_keys_of(same->receiver_);
+    }
+}
+
 std::optional<ChannelFrame> FdDecoder::next(const CanFrame& frame, Instant received) {
     return sender_id_.matches(frame) ? receiver_.next(message_in(frame), received) : std::nullopt;
 }

@@ -42,6 +42,7 @@ class FdDecoder final : public CanDecoder {
     std::span<const CanFrame> answer(Instant now) override;
     /// See Receiver::rejected.
     std::span<const NamedCount> rejected() const override { return receiver_.rejected(); }
+    void use_keys_of(const DecoderReport& fresh) override;
     LinkCause why_garbled() const override { return receiver_.why_refused(); }
 
   private:

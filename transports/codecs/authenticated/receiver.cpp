@@ -40,6 +40,12 @@ void Receiver::use_seed(const RandomSeed& seed) {
     life_ = std::bit_cast<std::uint32_t>(random_bytes<sizeof life_>(random_, 'L', 0));
 }
 
+void Receiver::use_keys_of(const Receiver& fresh) {
+    key_ = fresh.key_;
+    old_ = fresh.old_;
+    asker_.reset();
+}
+
 void Receiver::ask_anew(Instant now) {
     asked_[asked_count_ % kMostAsked] = {
         {.life = life_,

@@ -40,6 +40,8 @@ class Receiver {
 
     /// Begins a new life. Call before the first `next`.
     void use_seed(const RandomSeed& seed);
+    /// From now on the keys of `fresh` count. Challenges and order go on.
+    void use_keys_of(const Receiver& fresh);
     /// Writes the challenge that answers what was taken last, and leaves at `now`. False if none is
     /// due. Call it after each `next`.
     bool answer(ChallengeMessage& message, Instant now);

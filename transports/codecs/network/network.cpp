@@ -60,6 +60,12 @@ NetworkDecoder::NetworkDecoder(std::unique_ptr<CanDecoder> messages)
     counted_.resize(causes_.size());
 }
 
+void NetworkDecoder::use_keys_of(const DecoderReport& fresh) {
+    if (const auto* same = dynamic_cast<const NetworkDecoder*>(&fresh)) {
+        messages_->use_keys_of(*same->messages_);
+    }
+}
+
 std::size_t NetworkDecoder::needed_bytes(std::span<const std::uint8_t> bytes) const {
     const std::size_t known = std::min(bytes.size(), network::kBeginning.size());
     if (!std::ranges::equal(bytes.first(known), std::span(network::kBeginning).first(known))) {

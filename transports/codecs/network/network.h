@@ -51,6 +51,7 @@ class NetworkDecoder final : public FramedDecoder {
     void use_numbers(NumberReservation& numbers) override { messages_->use_numbers(numbers); }
     std::span<const std::uint8_t> answer(Instant now) override;
     LinkCause why_garbled() const override { return messages_->why_garbled(); }
+    void use_keys_of(const DecoderReport& fresh) override;
     std::span<const FrameDetail> details() const override { return messages_->details(); }
 
   private:

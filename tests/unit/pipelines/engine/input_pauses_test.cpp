@@ -113,7 +113,7 @@ TEST(InputPauses, AReloadIsNoPause) {
     before.receive(Bytes{0xFF}, at(0ms));
     before.receive(std::span(whole).first(10), at(24ms));
     Input after(sbus_line(), 0);
-    after.continue_from(before, true, at(25ms));
+    after.continue_from(before, {.from = 0, .same_channels = true}, at(25ms));
     EXPECT_TRUE(after.receive(std::span(whole).subspan(10), at(24ms + 15 * 120us)));
 }
 

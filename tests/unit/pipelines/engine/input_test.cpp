@@ -82,7 +82,7 @@ TEST(FrameAge, OutlastsAReloadBetweenAFrameAndItsProof) {
     Input before(sbus_input(), 0);
     before.receive(sbus_wire(us(1100)), at(5ms));
     Input after(sbus_input(), 0);
-    after.continue_from(before, true, at(6ms));
+    after.continue_from(before, {.from = 0, .same_channels = true}, at(6ms));
     after.receive(sbus_wire(us(1200)), at(12ms));
     EXPECT_EQ(after.counts().frames, 2U);
     EXPECT_EQ(after.arrivals().interval(), 7ms);
