@@ -109,8 +109,8 @@ void add_enable_lines(Draft& draft) {
     }
 }
 
-Draft read_draft(const Document& document, Mistakes& mistakes) {
-    const Reading reading{document.lost, mistakes};
+Draft read_draft(const Document& document, Mistakes& mistakes, Mistakes& warnings) {
+    const Reading reading{document.lost, mistakes, warnings};
     const TableContent content =
         read_table({document.root, {1, 1}, "the file"}, root_keys(), reading);
     Draft draft;
@@ -196,14 +196,19 @@ tl::expected<Configuration, std::vector<Mistake>> load_configuration(std::string
     }
     Mistakes meaning(file_name);
     replace_header_lists(document.root, meaning);
-    Draft draft = read_draft(document, meaning);
+    Mistakes warnings(file_name);
+    Draft draft = read_draft(document, meaning, warnings);
     Mistakes all = std::move(characters);
     all.add(syntax);
     all.add(without_follow_ons(meaning, syntax));
     if (!all.empty()) {
         return tl::unexpected(all.sorted());
     }
-    return finish(std::move(draft), file_name);
+    Configuration configuration = finish(std::move(draft), file_name);
+    for (Mistake& warning : warnings.sorted()) {
+        configuration.warnings.push_back({warning.where, std::move(warning.text)});
+    }
+    return configuration;
 }
 
 tl::expected<Configuration, std::vector<Mistake>> load_configuration_file(

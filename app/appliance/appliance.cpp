@@ -62,6 +62,7 @@ Appliance::Appliance(Configuration configuration)
       epochs_(epochs_of(configuration_)),
       plans_(plan_ports(configuration_)),
       missing_(plans_.size(), false),
+      open_problems_(plans_.size()),
       engine_(build_engine(configuration_, machine_id(),
                            {.clock = &wall_clock(), .random = random_seed, .numbers = numbers})) {
     follow_wall_clock();
@@ -265,15 +266,34 @@ std::vector<Appliance::DeviceEvent> Appliance::reopen_devices() {
             events.push_back({device_name(plans_[port].config), false});
         }
         if (missing_[port]) {
-            if (auto link = open_port(configuration_, stations(), plans_[port])) {
-                loop_->give(port, std::move(*link));
-                missing_[port] = false;
-                events.push_back({device_name(plans_[port].config), true});
+            auto link = open_port(configuration_, stations(), plans_[port]);
+            if (!link) {
+                tell_problem(port, link.error(), events);
+                continue;
             }
+            loop_->give(port, std::move(*link));
+            missing_[port] = false;
+            open_problems_[port] = {};
+            events.push_back({device_name(plans_[port].config), true});
         }
     }
     reopen_lines(events);
     return events;
+}
+
+/// A device that is missing is told elsewhere. One that was just unplugged or plugged in may be
+/// there without being one for a moment.
+void Appliance::tell_problem(std::size_t port, const std::string& problem,
+                             std::vector<DeviceEvent>& events) {
+    const PortConfig& config = plans_[port].config;
+    OpenProblem& before = open_problems_[port];
+    if (config.medium->is_missing(config.device)) {
+        before = {};
+    } else if (before.text != problem) {
+        before = {problem};
+    } else if (!std::exchange(before.told, true)) {
+        events.push_back({device_name(config), false, problem});
+    }
 }
 
 bool Appliance::line_present(std::size_t line) const {

@@ -63,6 +63,8 @@ class Appliance {
     struct DeviceEvent {
         std::string name;  ///< "device /dev/ttyUSB0"
         bool back = false;
+        /// Why a device that is there cannot be opened; told once. Empty: nothing new.
+        std::string problem{};
     };
     /// The present state of each, as events.
     std::vector<DeviceEvent> devices() const;
@@ -145,6 +147,8 @@ class Appliance {
                                           std::vector<std::unique_ptr<HeldLine>> lines);
     tl::expected<void, std::string> make_recorder(Appliance* before);
     void update_recorder();
+    void tell_problem(std::size_t port, const std::string& problem,
+                      std::vector<DeviceEvent>& events);
     void reopen_lines(std::vector<DeviceEvent>& events);
     void look_whether_lines_hang(std::vector<DeviceEvent>& events);
     /// After a stop of the whole program one look may come before the lines were read again.
@@ -171,6 +175,12 @@ class Appliance {
     std::vector<Epoch> epochs_;
     std::vector<PortPlan> plans_;
     std::vector<bool> missing_;
+    /// Why a device that is there could not be opened.
+    struct OpenProblem {
+        std::string text{};
+        bool told = false;
+    };
+    std::vector<OpenProblem> open_problems_;  ///< one a port
     /// Null if nothing uses values. The outputs of the engine refer to it.
     std::unique_ptr<ValueEngine> values_;
     std::unique_ptr<Engine> engine_;

@@ -42,6 +42,9 @@ struct CommandOption {
     int count = 0;
     /// A list takes one value each time the option is given, not all words that follow it.
     bool one_each = false;
+    /// A function is called with "true" where the option stands alone: it is a flag, which may also
+    /// have the value `true` or `false`.
+    bool may_stand_alone = false;
     /// Other options of this command that it requires, and that it excludes.
     std::vector<std::string> needs{};
     std::vector<std::string> excludes{};
@@ -49,7 +52,7 @@ struct CommandOption {
     std::function<std::vector<std::string>()> offers{};
 
     bool positional() const { return !name.starts_with('-'); }
-    bool flag() const { return std::holds_alternative<bool*>(value); }
+    bool flag() const { return may_stand_alone || std::holds_alternative<bool*>(value); }
     /// Whether it may be given several times.
     bool repeatable() const {
         return std::holds_alternative<std::vector<std::string>*>(value) && count == 0;

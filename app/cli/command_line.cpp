@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <iterator>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -36,6 +38,10 @@ CLI::Option* add_value(CLI::App& app, const CommandOption& option, Value* value)
 
 CLI::Option* add_value(CLI::App& app, const CommandOption& option,
                        const std::function<void(const std::string&)>& take) {
+    if (option.may_stand_alone) {
+        return app.add_flag_function(
+            option.name, [take](std::int64_t given) { take(given > 0 ? "true" : "false"); });
+    }
     return app.add_option_function<std::string>(option.name, take);
 }
 
@@ -55,6 +61,25 @@ void add_option(CLI::App& app, const CommandOption& option) {
     if (option.one_each) {
         added->allow_extra_args(false);
     }
+}
+
+/// `--fd true` as `--fd=true`: a flag would not take the word behind it.
+std::vector<std::string> with_joined_flags(const Command* command, int argc,
+                                           const char* const* argv) {
+    std::vector<std::string> words(argv, argv + argc);
+    if (command == nullptr || !command->selected) {
+        return words;
+    }
+    const std::vector<CommandOption> options = command->selected->of({});
+    for (std::size_t i = 1; i + 1 < words.size() && words[i] != "--"; ++i) {
+        const auto option = std::ranges::find(options, words[i], &CommandOption::name);
+        const bool valued = words[i + 1] == "true" || words[i + 1] == "false";
+        if (option != options.end() && option->may_stand_alone && valued) {
+            words[i] += "=" + words[i + 1];
+            words.erase(words.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+        }
+    }
+    return words;
 }
 
 /// Call it when all options of the command are added.
@@ -202,7 +227,11 @@ tl::expected<std::function<int()>, int> read_command_line(Program& program, cons
         add_command(app, command, std::ranges::find(words, command.name) != words.end());
     }
     try {
-        app.parse(argc, argv);
+        const auto given =
+            with_joined_flags(named == program.commands.end() ? nullptr : &*named, argc, argv);
+        std::vector<const char*> pointers;
+        std::ranges::transform(given, std::back_inserter(pointers), &std::string::c_str);
+        app.parse(static_cast<int>(pointers.size()), pointers.data());
     } catch (const CLI::ParseError& error) {
         const auto got = std::ranges::find_if(program.commands, [&](const Command& command) {
             return app.got_subcommand(command.name);

@@ -174,13 +174,17 @@ CommandOption option_of(const Setting& setting, GivenSettings& given) {
     if (has_limits(setting)) {
         help += fmt::format(" ({})", without_quotes(allowed_values({setting})));
     }
+    // A flag that is on by default could not be turned off by naming it.
+    const bool flag = setting.type == SettingType::boolean && setting.fallback == "false";
     return {.name = fmt::format("--{}", setting.key),
             .value = [&given, key = std::string(setting.key)](
                          const std::string& text) { given.insert_or_assign(key, text); },
             .help = std::move(help),
-            .value_name = value_name_of(setting),
-            .default_text = without_quotes(setting.fallback),
-            .offers = [words = allowed_words(setting)] { return words; }};
+            .value_name = flag ? std::string() : value_name_of(setting),
+            .default_text = flag ? std::string() : without_quotes(setting.fallback),
+            .may_stand_alone = flag,
+            .offers = [words = flag ? std::vector<std::string>{}
+                                    : allowed_words(setting)] { return words; }};
 }
 
 /// Adds what another protocol offers for the setting.

@@ -8,7 +8,7 @@
 
 #include "app/cli/exit_status.h"
 #include "app/cli/load_or_explain.h"
-#include "config/check/absent_channels.h"
+#include "config/check/warnings.h"
 #include "config/load.h"
 #include "config/show/effective.h"
 #include "config/show/json_schema.h"
@@ -28,9 +28,9 @@ int check(const std::string& path, bool json) {
         }
         return kExitWrongUse;
     }
-    for (const Mistake& remark : maps_of_absent_channels(*configuration)) {
-        fmt::print(stderr, "{}:{}:{}: warning: {}\n", remark.file, remark.where.line,
-                   remark.where.column, remark.text);
+    for (const Mistake& warning : warnings_about(*configuration)) {
+        fmt::print(stderr, "{}:{}:{}: warning: {}\n", warning.file, warning.where.line,
+                   warning.where.column, warning.text);
     }
     fmt::print("{}", json ? effective_json(*configuration) : effective_toml(*configuration));
     return kExitFine;

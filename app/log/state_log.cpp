@@ -306,6 +306,9 @@ void StateLog::look_at_devices(Appliance& appliance, Instant now) {
     };
     // A device that was gone and is back within one round is reported as gone, too.
     for (const Appliance::DeviceEvent& event : appliance.reopen_devices()) {
+        if (!event.problem.empty()) {
+            log_at(LogLevel::warning, "{}", event.problem);
+        }
         devices_[event.name].present = event.back;
         look(event.name, devices_[event.name]);
     }

@@ -211,6 +211,10 @@ void FrameDecoding::finish(const LogFacts& log) {
         tally.can->log = log;
     }
     print_summary(output_, tally);
+    if (!tally.first_fault.empty()) {
+        output_.messages << fmt::format("tribus: the first frame that {} cannot use: {}\n",
+                                        protocol_, tally.first_fault);
+    }
 }
 
 DecodedAmount FrameDecoding::amount() const {

@@ -7,14 +7,19 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
+#include "config/schema/value_catalog.h"
 #include "core/quotes.h"
 #include "transports/links/can/can_link.h"
 
 namespace tribus {
 namespace {
+
+constexpr std::string_view kOfValues = "values";
 
 struct CanUse {
     std::string_view direction;
@@ -53,6 +58,17 @@ std::vector<CanUse> can_uses(const Draft& draft) {
                             copy(encoder.encoder().sent()), true});
         }
     }
+    for (const ValuesDraft& values : draft.values) {
+        const auto* message = std::get_if<ValueMessageConfig>(&values.config.source);
+        const auto reader =
+            message != nullptr && values.sound ? make_reader(*message) : std::nullopt;
+        const auto* on_bus =
+            reader ? std::get_if<std::unique_ptr<CanValueReader>>(&*reader) : nullptr;
+        if (on_bus != nullptr) {
+            uses.push_back(
+                {kOfValues, values.config.name, &message->port, copy((*on_bus)->wanted()), false});
+        }
+    }
     return uses;
 }
 
@@ -67,13 +83,28 @@ std::optional<CanIdMatch> shared_id(const CanUse& a, const CanUse& b) {
     return std::nullopt;
 }
 
-void check_pair(const CanUse& earlier, const CanUse& later, Mistakes& mistakes) {
+/// An output and a reader of values: the value that is read may be one that is sent.
+void doubt_values(const CanUse& earlier, const CanUse& later, Mistakes& warnings) {
+    const CanUse& values = earlier.direction == kOfValues ? earlier : later;
+    const CanUse& output = earlier.direction == kOfValues ? later : earlier;
+    warnings.add(values.port->where,
+                 fmt::format("[values.{}] reads on {} a message that [output.{}] in line {} sends, "
+                             "so its values come from this program itself; read a message of "
+                             "another node",
+                             values.name, in_quotes(values.port->device), output.name,
+                             output.port->where.line));
+}
+
+void check_pair(const CanUse& earlier, const CanUse& later, Reading reading) {
     const bool both_listen = !earlier.sends && !later.sends;
     if (both_listen || earlier.port->device != later.port->device) {
         return;
     }
-    if (const auto id = shared_id(earlier, later)) {
-        mistakes.add(
+    const auto id = shared_id(earlier, later);
+    if (id && (earlier.direction == kOfValues || later.direction == kOfValues)) {
+        doubt_values(earlier, later, reading.warnings);
+    } else if (id) {
+        reading.mistakes.add(
             later.port->where,
             fmt::format(
                 "on {} the id 0x{:X}{} of [{}.{}] is also used by [{}.{}] in line {}; allowed: ids "
@@ -98,15 +129,15 @@ void check_lane_counts(const std::vector<CanUse>& uses, Mistakes& mistakes) {
 
 }  // namespace
 
-void check_can_ids(const Draft& draft, Mistakes& mistakes) {
+void check_can_ids(const Draft& draft, Reading reading) {
     const auto uses = can_uses(draft);
     for (std::size_t i = 0; i < uses.size(); ++i) {
         for (std::size_t j = i + 1; j < uses.size(); ++j) {
             const bool in_order = uses[i].port->where.line <= uses[j].port->where.line;
-            check_pair(uses[in_order ? i : j], uses[in_order ? j : i], mistakes);
+            check_pair(uses[in_order ? i : j], uses[in_order ? j : i], reading);
         }
     }
-    check_lane_counts(uses, mistakes);
+    check_lane_counts(uses, reading.mistakes);
 }
 
 }  // namespace tribus

@@ -11,6 +11,7 @@
 #include "config/check/dronecan.h"
 #include "config/check/lines.h"
 #include "config/check/links.h"
+#include "config/check/ports.h"
 #include "config/check/values.h"
 #include "config/schema/notation.h"
 #include "core/quotes.h"
@@ -212,7 +213,8 @@ void check_cycle(const InputDraft& input, Mistakes& mistakes) {
 
 void check_across(const Draft& draft, Reading reading) {
     check_devices(draft, reading.mistakes);
-    check_can_ids(draft, reading.mistakes);
+    check_can_ids(draft, reading);
+    doubt_ports(draft, reading.warnings);
     check_links(draft, reading.mistakes);
     check_dronecan(draft, reading.mistakes);
     check_values(draft, reading);

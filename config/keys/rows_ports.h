@@ -36,7 +36,8 @@ inline constexpr std::array kOutputKeys{
          .example = "\"10ms\""}),
     row<&OutputConfig::force>(
         {.key = "force",
-         .help = "`true`: allows a `period` shorter than readers of the protocol can follow",
+         .help = "`true`: allows a `period` shorter than readers of the protocol can follow, and a "
+                 "`hold` over 300 ms where held values are not marked",
          .example = "true"}),
     row<&OutputConfig::schedule, &ScheduleSettings::kind>(
         {.key = "schedule",

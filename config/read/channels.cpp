@@ -6,6 +6,7 @@
 
 #include "config/language/nearest.h"
 #include "config/language/numbers.h"
+#include "config/read/doubts.h"
 #include "config/read/rules.h"
 #include "config/read/value.h"
 #include "config/schema/notation.h"
@@ -149,6 +150,11 @@ ChannelRule read_rule(std::size_t output, const TableRef& ref, Draft* draft, Rea
     content.read_into(rule);
     rule.output = output;
     rule.source = read_source(content, draft, reading);
+    doubt_slew(rule.slew_us_per_second, "slew", content.where("slew"), reading.warnings);
+    if (const auto* on = std::get_if<Switch>(&rule.source)) {
+        doubt_rule({.channel = on->channel, .below = on->below, .above = on->above}, RuleUse::on,
+                   "this switch", kStickReach, ref.where, reading.warnings);
+    }
     return rule;
 }
 

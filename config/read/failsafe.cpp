@@ -3,14 +3,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "config/keys/keys.h"
 #include "config/language/nearest.h"
+#include "config/read/doubts.h"
 #include "config/read/rules.h"
+#include "config/schema/notation.h"
 #include "core/quotes.h"
+#include "transports/codecs/frame_encoder.h"
 
 namespace tribus {
 namespace {
@@ -21,6 +28,7 @@ struct Given {
     std::optional<ValueRule> release_when;
     std::optional<Presets> presets;
     Location preset_where;
+    std::uint32_t preset_channels = 0;  ///< those that `preset` names, one bit each
 
     bool has(std::string_view key) const {
         return content && content->given(key) && content->sound(key);
@@ -28,18 +36,69 @@ struct Given {
     bool has_mistaken(std::string_view key) const { return content && !content->sound(key); }
 };
 
-Given read_given(TableContent content, Reading reading) {
+/// The channels that `preset` names, one bit each.
+std::uint32_t named_in(const Value& preset) {
+    const auto* table = preset.as<Table>();
+    std::uint32_t channels = 0;
+    for (const Entry& entry : table == nullptr ? std::vector<Entry>{} : table->entries) {
+        const auto channel = channel_of(entry.key);
+        channels |= channel ? 1U << *channel : entry.key == kOtherChannels ? kAllChannels : 0U;
+    }
+    return channels;
+}
+
+/// Presets are not limited: `min` and `max` are for what comes from the sticks.
+void doubt_preset(std::size_t channel, Pulse preset, const ChannelRule& rule, Location where,
+                  std::string_view whose, Mistakes& warnings) {
+    if ((rule.min && preset < *rule.min) || (rule.max && preset > *rule.max)) {
+        const auto limit = [](const std::optional<Pulse>& pulse) {
+            return pulse ? format_number(pulse->microseconds()) : std::string("no limit");
+        };
+        warnings.add(where,
+                     fmt::format("{} of channel {} is {} us, outside of its \"min\" and \"max\" "
+                                 "({} to {}): presets are sent as they are; give a preset within "
+                                 "them, or other limits",
+                                 whose, channel + 1, format_number(preset.microseconds()),
+                                 limit(rule.min), limit(rule.max)));
+    }
+}
+
+void doubt_presets(const Value& value, const Presets& presets,
+                   const std::vector<ChannelRule>& rules, Mistakes& warnings) {
+    const auto* table = value.as<Table>();
+    for (const ChannelRule& rule : rules) {
+        const Entry* own =
+            table == nullptr ? nullptr : table->find(std::to_string(rule.output + 1));
+        const Entry* entry = own != nullptr || table == nullptr ? own : table->find(kOtherChannels);
+        doubt_preset(rule.output, presets[rule.output], rule,
+                     entry != nullptr ? entry->value.where : value.where, "the preset", warnings);
+    }
+}
+
+Given read_given(TableContent content, const std::vector<ChannelRule>& rules, Reading reading) {
     Given given;
     if (const Entry* release = content.find("release_when")) {
         given.release_when =
             read_value_rule({release->value, "\"release_when\"", "{ channel = 3, below = 1050 }",
                              "every value would release", release_rule_keys()},
                             reading);
+        if (given.release_when) {
+            doubt_rule(*given.release_when, RuleUse::release, "\"release_when\"",
+                       reach_of(given.release_when->channel, rules), release->value.where,
+                       reading.warnings);
+        }
     }
     if (const Entry* preset = content.find("preset")) {
         given.presets = read_presets(preset->value, reading.mistakes);
         given.preset_where = preset->where;
+        given.preset_channels = named_in(preset->value);
+        if (given.presets) {
+            doubt_presets(preset->value, *given.presets, rules, reading.warnings);
+        }
     }
+    const auto* slew = content.values().find_as<double>("slew");
+    doubt_slew(slew == nullptr ? std::nullopt : std::optional(*slew), "slew", content.where("slew"),
+               reading.warnings);
     given.content = std::move(content);
     return given;
 }
@@ -86,7 +145,7 @@ GivenByOutput read_outputs(const Value& value, const PipelineConfig& pipeline, c
         TableContent content =
             read_table({*table, entry.value.where, fmt::format("[{}.{}]", path, entry.key)},
                        output_failsafe_keys(), reading);
-        result.emplace(entry.key, read_given(std::move(content), reading));
+        result.emplace(entry.key, read_given(std::move(content), pipeline.channels, reading));
     }
     return result;
 }
@@ -114,6 +173,69 @@ FailsafeSettings combine(const Given& own, const Given& shared, const OutputConf
         settings.power_on = settings.recover;
     }
     return settings;
+}
+
+/// Held values that nothing marks are old values that look fresh.
+void check_hold_time(const FailsafeSettings& settings, const Given& given, const OutputDraft& draft,
+                     Mistakes& mistakes) {
+    constexpr Duration kMostUnmarked = FailsafeSettings{}.hold;
+    const OutputConfig& output = draft.config;
+    if (settings.hold <= kMostUnmarked || !given.has("hold") || output.force ||
+        output.protocol == nullptr || !draft.settings_sound) {
+        return;
+    }
+    const FrameEncoder encoder(output.protocol->make_encoder(output.settings));
+    if (!encoder.encoder().marks_frame_lost()) {
+        mistakes.add(given.content->where("hold"),
+                     fmt::format("\"hold\" is {}, but {} of output {} cannot mark held values: "
+                                 "for so long its receiver takes old values for fresh ones; "
+                                 "allowed there: at most {}, or add force = true to [output.{}]",
+                                 in_quotes(format_duration(settings.hold)),
+                                 in_quotes(output.protocol->name), in_quotes(output.name),
+                                 in_quotes(format_duration(kMostUnmarked)), output.name));
+    }
+}
+
+/// Some receivers move with the default presets.
+void check_written_presets(const FailsafeSettings& settings, std::uint32_t written, Location where,
+                           const OutputDraft& draft, Mistakes& mistakes) {
+    const OutputConfig& output = draft.config;
+    if (settings.action != FailsafeAction::preset || output.protocol == nullptr ||
+        output.protocol->moves_by_default == nullptr || !draft.settings_sound) {
+        return;
+    }
+    const auto risk = output.protocol->moves_by_default(output.settings);
+    if (!risk || (risk->channels & ~written) == 0) {
+        return;
+    }
+    std::uint32_t open = risk->channels & ~written;
+    std::size_t channel = static_cast<std::size_t>(std::countr_zero(open));
+    for (; open != 0; open &= open - 1) {
+        const auto other = static_cast<std::size_t>(std::countr_zero(open));
+        if (settings.presets[other] != risk->standstill) {
+            channel = other;
+            break;
+        }
+    }
+    mistakes.add(where,
+                 fmt::format("\"action\" is \"preset\", but the preset of channel {} is not "
+                             "written: output {} drives motors, and they would get the default, "
+                             "{} us, where {} us is standstill; write a preset for each of them, "
+                             "such as preset = {{ other = {} }}, or leave \"action\" out",
+                             channel + 1, in_quotes(output.name),
+                             format_number(settings.presets[channel].microseconds()),
+                             format_number(risk->standstill.microseconds()),
+                             format_number(risk->standstill.microseconds())));
+}
+
+/// The default presets of an output that sends them, against the limits of its channels.
+void doubt_default_presets(const FailsafeSettings& settings, const PipelineConfig& pipeline,
+                           Mistakes& warnings) {
+    for (std::size_t i = 0; i < pipeline.channels.size(); ++i) {
+        const std::size_t channel = pipeline.channels[i].output;
+        doubt_preset(channel, settings.presets[channel], pipeline.channels[i],
+                     pipeline.channels_where[i], "the default preset", warnings);
+    }
 }
 
 /// Rule: an output is silent or says failsafe; it never repeats old values without a mark.
@@ -149,8 +271,9 @@ std::vector<FailsafeSettings> read_failsafe(const Entry* entry, const PipelineCo
     const auto* table = entry == nullptr ? nullptr : entry->value.as<Table>();
     const std::string title = fmt::format("[pipeline.{}.failsafe]", pipeline.name);
     if (table != nullptr) {
-        shared = read_given(
-            read_table({*table, entry->value.where, title}, failsafe_keys(), reading), reading);
+        shared =
+            read_given(read_table({*table, entry->value.where, title}, failsafe_keys(), reading),
+                       pipeline.channels, reading);
         if (const Entry* outputs = shared.content->find("output")) {
             own = read_outputs(outputs->value, pipeline, draft, reading);
         }
@@ -159,6 +282,7 @@ std::vector<FailsafeSettings> read_failsafe(const Entry* entry, const PipelineCo
                                                              describe(entry->value)));
     }
     std::vector<FailsafeSettings> result;
+    bool doubted_defaults = false;
     // Without certainty, no mistake is reported.
     bool shared_used = shared.has("action") || shared.has_mistaken("action") ||
                        draft.outputs_uncertain || pipeline.outputs.empty();
@@ -166,7 +290,20 @@ std::vector<FailsafeSettings> read_failsafe(const Entry* entry, const PipelineCo
         const OutputConfig& output = draft.outputs[index].config;
         const Given& mine = own[output.name];
         result.push_back(combine(mine, shared, output));
-        check_hold(result.back(), mine.has("action") ? mine : shared, output, reading.mistakes);
+        const Given& acting = mine.has("action") ? mine : shared;
+        check_hold(result.back(), acting, output, reading.mistakes);
+        check_hold_time(result.back(), mine.has("hold") ? mine : shared, draft.outputs[index],
+                        reading.mistakes);
+        if (!mine.has_mistaken("preset") && !shared.has_mistaken("preset")) {
+            check_written_presets(
+                result.back(), mine.presets ? mine.preset_channels : shared.preset_channels,
+                acting.has("action") ? acting.content->where("action") : draft.outputs[index].where,
+                draft.outputs[index], reading.mistakes);
+        }
+        if (result.back().action == FailsafeAction::preset && !mine.presets && !shared.presets &&
+            !std::exchange(doubted_defaults, true)) {
+            doubt_default_presets(result.back(), pipeline, reading.warnings);
+        }
         const bool presets_used = mine.has("action") || mine.has_mistaken("action") ||
                                   shared.has("action") || output.protocol == nullptr ||
                                   default_action(output) == FailsafeAction::preset;

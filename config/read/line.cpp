@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "config/language/nearest.h"
+#include "config/read/doubts.h"
 #include "config/read/rules.h"
 #include "config/schema/choices.h"
 #include "core/quotes.h"
@@ -184,6 +185,8 @@ void read_task(const TableContent& content, LineTask& task, std::string_view tit
     }
     if (role == LineRole::channel_switch) {
         check_switch_rule(content, title, reading);
+        doubt_rule(task.rule, RuleUse::on, title, {0, kMostWirePulse}, content.where("channel"),
+                   reading.warnings);
     }
 }
 

@@ -142,7 +142,7 @@ void add_found(const std::vector<SettingMistake>& found, const TableContent& con
 
 /// Runs the protocol's own check if each of its keys is valid. Returns whether all is valid.
 bool check_by_protocol(const PortKeys& port, const SettingValues& settings, SettingScope scope,
-                       const TableContent& content, Mistakes& mistakes) {
+                       const TableContent& content, Reading reading) {
     if (port.protocol == nullptr || !port.protocol->goes(scope)) {
         return false;
     }
@@ -151,11 +151,12 @@ bool check_by_protocol(const PortKeys& port, const SettingValues& settings, Sett
             return false;
         }
     }
-    if (port.protocol->check == nullptr) {
-        return true;
+    const auto found = port.protocol->check == nullptr ? std::vector<SettingMistake>{}
+                                                       : port.protocol->check(settings, scope);
+    add_found(found, content, reading.mistakes);
+    if (found.empty() && port.protocol->warnings != nullptr) {
+        add_found(port.protocol->warnings(settings, scope), content, reading.warnings);
     }
-    const auto found = port.protocol->check(settings, scope);
-    add_found(found, content, mistakes);
     return found.empty();
 }
 
@@ -205,6 +206,17 @@ bool port_sound(const PortConfig& port, KeyUse key, SettingScope scope, const Ta
     const std::string_view place = port.medium->place.key;
     return content.given(place) && content.sound(place) && content.sound("baud") &&
            content.sound("protocol") && check_by_medium(port, key, scope, content, mistakes);
+}
+
+void doubt_place(const PortConfig& port, bool sound, Mistakes& warnings) {
+    const bool is_path = sound && port.medium->place_is_path;
+    if (is_path && !port.device.starts_with('/')) {
+        warnings.add(port.where,
+                     fmt::format("{} is {}, which counts from the folder in which the program is "
+                                 "started; write the whole path, such as {}",
+                                 in_quotes(port.medium->place.key), in_quotes(port.device),
+                                 in_quotes("/dev/" + port.device)));
+    }
 }
 
 /// `most`: upper limit of the protocol with its settings, if they are valid.
@@ -282,15 +294,15 @@ KeyUse meant_key_use(const PortKeys& port, const PortDraft& draft) {
 /// Reads the part that inputs and outputs share.
 template <class PortDraft>
 void read_port(const Entry& entry, const PortKeys& port, SettingScope scope,
-               const TableContent& content, PortDraft& draft, Mistakes& mistakes) {
-    check_inverted(content, mistakes);
+               const TableContent& content, PortDraft& draft, Reading reading) {
+    check_inverted(content, reading.mistakes);
     draft.where = entry.where;
     draft.config.name = entry.key;
     draft.config.protocol = port.protocol;
     if (port.protocol != nullptr) {
         draft.config.settings = values_of(port.protocol->settings, content);
     }
-    draft.settings_sound = check_by_protocol(port, draft.config.settings, scope, content, mistakes);
+    draft.settings_sound = check_by_protocol(port, draft.config.settings, scope, content, reading);
     if (draft.settings_sound && port.protocol != nullptr &&
         port.protocol->dependent_defaults != nullptr) {
         draft.config.settings =
@@ -298,7 +310,8 @@ void read_port(const Entry& entry, const PortKeys& port, SettingScope scope,
     }
     draft.config.port = port_config(port, content);
     draft.port_sound =
-        port_sound(draft.config.port, meant_key_use(port, draft), scope, content, mistakes);
+        port_sound(draft.config.port, meant_key_use(port, draft), scope, content, reading.mistakes);
+    doubt_place(draft.config.port, draft.port_sound, reading.warnings);
 }
 
 void read_values_used(const Protocol& protocol, const TableContent& content, OutputDraft& draft) {
@@ -321,7 +334,7 @@ InputDraft read_input(const Entry& entry, const Table& table, Reading reading) {
         read_table({table, entry.value.where, title, "input", name_of(port.protocol)}, port.keys,
                    reading, port.tolerated);
     InputDraft draft;
-    read_port(entry, port, SettingScope::input, content, draft, reading.mistakes);
+    read_port(entry, port, SettingScope::input, content, draft, reading);
     if (content.given("timeout")) {
         draft.timeout = content.where("timeout");
     }
@@ -344,7 +357,7 @@ OutputDraft read_output(const Entry& entry, const Table& table, Reading reading)
         read_table({table, entry.value.where, title, "output", name_of(port.protocol)}, port.keys,
                    reading, port.tolerated);
     OutputDraft draft;
-    read_port(entry, port, SettingScope::output, content, draft, reading.mistakes);
+    read_port(entry, port, SettingScope::output, content, draft, reading);
     draft.period = content.where("period");
     draft.period_sound = content.sound("period");
     if (draft.settings_sound) {

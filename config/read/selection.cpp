@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "config/language/nearest.h"
+#include "config/read/doubts.h"
 #include "core/quotes.h"
 
 namespace tribus {
@@ -87,6 +88,8 @@ void check_use(const TableContent& content, std::string_view title,
 void read_selection(const TableContent& content, std::string_view title,
                     SelectionSettings& selection, const Draft& draft, Reading reading) {
     content.read_into(selection);
+    doubt_slew(selection.changeover_us_per_second, "changeover", content.where("changeover"),
+               reading.warnings);
     if (const Entry* handover = content.find("handover")) {
         selection.handover = read_handover(handover->value, title, selection, draft, reading);
     }

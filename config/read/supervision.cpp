@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "config/read/doubts.h"
 #include "config/read/rules.h"
 #include "config/schema/notation.h"
 #include "core/quotes.h"
@@ -20,8 +21,21 @@ constexpr std::string_view kLossRuleExample = "[{ channel = 3, below = 950 }]";
 constexpr std::array<std::string_view, 4> kFlagKeys{"failsafe_flag", "frame_lost_flag",
                                                     "frame_lost_run", "frame_lost_ratio"};
 
+/// `possible`: the channels that the protocol can have.
+void doubt_loss_rule(const ValueRule& rule, std::uint32_t possible, Location where,
+                     Mistakes& warnings) {
+    constexpr std::string_view kTitle = "this rule of \"failsafe_when\"";
+    if (!rule.all_zero && ((possible >> rule.channel) & 1U) == 0) {
+        warnings.add(where, fmt::format("{}: the input has no channel {}, so the rule never says "
+                                        "anything; give a channel that it has",
+                                        kTitle, rule.channel + 1));
+        return;
+    }
+    doubt_rule(rule, RuleUse::loss, kTitle, {0, kMostWirePulse}, where, warnings);
+}
+
 std::vector<ValueRule> read_loss_rules(const Value& value, const Protocol* protocol,
-                                       Reading reading) {
+                                       std::uint32_t possible, Reading reading) {
     std::vector<ValueRule> rules;
     const auto* list = value.as<List>();
     if (list == nullptr) {
@@ -43,6 +57,7 @@ std::vector<ValueRule> read_loss_rules(const Value& value, const Protocol* proto
                                              "means \"no value\"; allowed with \"sbus\"",
                                              in_quotes(protocol->name)));
         }
+        doubt_loss_rule(*rule, possible, item.where, reading.warnings);
         rules.push_back(*rule);
     }
     return rules;
@@ -99,10 +114,19 @@ SupervisionSettings read_supervision(const TableContent& content, const Protocol
     }
     supervision.fewer_channels_after = supervision.timeout;
     if (const Entry* rules = content.find("failsafe_when")) {
-        supervision.failsafe_when = read_loss_rules(rules->value, protocol, reading);
+        const bool known =
+            protocol != nullptr && settings_sound && protocol->possible_channels != nullptr;
+        supervision.failsafe_when =
+            read_loss_rules(rules->value, protocol,
+                            known ? protocol->possible_channels(settings) : kAllChannels, reading);
     }
+    doubt_supervision(supervision, content.where("frozen"), content.where("plausible"),
+                      reading.warnings);
     if (protocol != nullptr && settings_sound) {
         check_use(content, *protocol, settings, reading.mistakes);
+        if (protocol->optional_channels != nullptr) {
+            supervision.optional_channels = protocol->optional_channels(settings);
+        }
         if (protocol->raw_zero != nullptr) {
             supervision.raw_zero = protocol->raw_zero(settings);
         }

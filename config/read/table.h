@@ -17,6 +17,8 @@ namespace tribus {
 struct Reading {
     const LostText& lost;
     Mistakes& mistakes;
+    /// What is allowed, but probably not meant.
+    Mistakes& warnings;
 };
 
 /// A table and its place in the file. `title` names it in messages, such as `[input.receiver]`.

@@ -15,6 +15,7 @@
 #include "config/schema/notation.h"
 #include "config/schema/value_catalog.h"
 #include "core/quotes.h"
+#include "transports/codecs/dbc/map.h"
 #include "transports/codecs/dbc/value_reader.h"
 #include "transports/codecs/dronecan/value_reader.h"
 #include "transports/links/can/can_medium.h"
@@ -59,7 +60,8 @@ const ValuesKind& kind_of(const TableContent& content) {
 
 /// The message that the table names, from the DBC file.
 std::optional<DbcMessage> find_message(const TableContent& content, const SettingFile& dbc,
-                                       const std::string& name, Mistakes& mistakes) {
+                                       const std::string& name, Reading reading) {
+    Mistakes& mistakes = reading.mistakes;
     const auto file = parse_dbc(dbc.content);
     if (!file) {
         mistakes.add(content.where("dbc"), fmt::format("{}:{}:{}: {}", dbc.path, file.error().line,
@@ -71,16 +73,19 @@ std::optional<DbcMessage> find_message(const TableContent& content, const Settin
         mistakes.add(content.where("message"), fmt::format("{}: {}", dbc.path, reader.error()));
         return std::nullopt;
     }
+    for (const SettingMistake& warning : warnings_about_dbc(*file, dbc.path)) {
+        reading.warnings.add(content.where("dbc"), warning.text);
+    }
     return *file->find(name);
 }
 
-std::optional<DbcValueSource> read_dbc(const TableContent& content, Mistakes& mistakes) {
+std::optional<DbcValueSource> read_dbc(const TableContent& content, Reading reading) {
     DbcValueSource source;
     content.read_into(source);
     if (source.dbc.path.empty() || source.message.empty()) {
         return std::nullopt;
     }
-    const auto message = find_message(content, source.dbc, source.message, mistakes);
+    const auto message = find_message(content, source.dbc, source.message, reading);
     if (!message) {
         return std::nullopt;
     }
@@ -252,7 +257,8 @@ std::optional<ValueMessageConfig> read_bytes(const TableContent& content, Mistak
     return config;
 }
 
-std::optional<ValueMessageConfig> read_message(const TableContent& content, Mistakes& mistakes) {
+std::optional<ValueMessageConfig> read_message(const TableContent& content, Reading reading) {
+    Mistakes& mistakes = reading.mistakes;
     if (&kind_of(content) == &kBytes) {
         return read_bytes(content, mistakes);
     }
@@ -263,7 +269,7 @@ std::optional<ValueMessageConfig> read_message(const TableContent& content, Mist
         sound = source.has_value();
         config.layout = std::move(source).value_or(DroneCanValueSource{});
     } else {
-        auto source = read_dbc(content, mistakes);
+        auto source = read_dbc(content, reading);
         sound = source.has_value();
         config.layout = std::move(source).value_or(DbcValueSource{});
     }
@@ -340,7 +346,7 @@ ValuesDraft read_values(const Entry& entry, const Table& table, Reading reading)
         content.read_into(draft.config.source.emplace<ConstantConfig>());
         return draft;
     }
-    auto message = read_message(content, reading.mistakes);
+    auto message = read_message(content, reading);
     draft.sound = message.has_value();
     draft.config.source = std::move(message).value_or(ValueMessageConfig{});
     return draft;

@@ -286,9 +286,16 @@ struct RecorderConfig {
     bool operator==(const RecorderConfig&) const = default;
 };
 
+/// What a configuration may say, but probably does not mean.
+struct Warning {
+    Location where;
+    std::string text;  ///< "what is doubtful; what to do", one line
+};
+
 /// A whole configuration.
 struct Configuration {
     std::string file;
+    std::vector<Warning> warnings;
     RuntimeConfig runtime;
     /// Absent: nothing is recorded.
     std::optional<RecorderConfig> recorder;

@@ -153,16 +153,21 @@ LinkSupervisor::Verdict LinkSupervisor::judge(const ChannelFrame& frame, Instant
             RadioLossSign::none};
 }
 
+bool LinkSupervisor::has_needed(const ChannelFrame& frame) const {
+    return (frame.absent() & ~good_.absent() & ~settings_.optional_channels) == 0;
+}
+
 /// A frame without any channel is never good.
 bool LinkSupervisor::channels_missing(const ChannelFrame& frame, Instant now) {
     if (!frame.has_any()) {
         fewer_ = {};
         return true;
     }
-    if (!ever_good_ || frame.has_all_of(good_)) {
+    if (!ever_good_ || has_needed(frame)) {
         return false;
     }
-    if (latest_kind_ != Kind::channels_missing || frame.absent() != fewer_.absent()) {
+    const std::uint32_t changed = frame.absent() ^ fewer_.absent();
+    if (latest_kind_ != Kind::channels_missing || (changed & ~settings_.optional_channels) != 0) {
         fewer_ = frame;
         fewer_since_ = now;
     }
@@ -218,7 +223,7 @@ void LinkSupervisor::accept(const ChannelFrame& frame, Instant now) {
         lost_before_run_ = ever_good_ ? lost_at() : now;
     }
     if (was_lost || (may_outlive_ && now - good_.received > settings_.timeout)) {
-        run_start_ = frame.has_all_of(good_) || !ever_good_ ? now : fewer_since_;
+        run_start_ = has_needed(frame) || !ever_good_ ? now : fewer_since_;
         run_frames_ = 0;
     }
     ++run_frames_;

@@ -122,6 +122,8 @@ class LinkSupervisor {
     void watch_for_change(const ChannelFrame& frame, Kind kind, Instant now);
     Verdict judge(const ChannelFrame& frame, Instant now);
     void accept(const ChannelFrame& frame, Instant now);
+    /// Whether the frame has the channels of the latest good one, except optional ones.
+    bool has_needed(const ChannelFrame& frame) const;
     bool channels_missing(const ChannelFrame& frame, Instant now);
     void refuse(Verdict verdict, Instant now);
     bool rule_says_loss(const ChannelFrame& frame) const;

@@ -68,6 +68,8 @@ struct SupervisionSettings {
     /// A sender that omits channels which it sent before is lost until they are back, or until it
     /// has sent the same smaller set for this time without interruption.
     Duration fewer_channels_after = std::chrono::milliseconds(100);
+    /// The channels whose absence is no loss, one bit each.
+    std::uint32_t optional_channels = 0;
     /// A frame with a channel outside this range is not good.
     std::optional<PulseRange> plausible{};
     /// Pulse of a channel whose raw value is zero, where zero means "no value". Absent: it has no

@@ -74,6 +74,10 @@ class DecoderReport {
     /// Whether the arrivals show two senders of one id whose content does not tell them apart, so
     /// that the received frames are a mixture.
     virtual bool two_senders() const { return false; }
+    /// What is wrong with the frames that it refuses, or marks failsafe itself, for people: which
+    /// message, which signal, its value and what is allowed. Writes to the front of `text`, cut to
+    /// its size; returns the length. 0: nothing that it could name. No heap.
+    virtual std::size_t write_fault(std::span<char> /*text*/) const { return 0; }
     /// What bytes are of which no frame counts: `garbled`, or what a protocol with a key knows of
     /// them.
     virtual LinkCause why_garbled() const { return LinkCause::garbled; }

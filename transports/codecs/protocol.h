@@ -40,6 +40,12 @@ struct FrameBeginning {
     std::optional<std::uint8_t> second{};
 };
 
+/// Channels of which any pulse but one moves a motor.
+struct MovingPresets {
+    std::uint32_t channels = 0;  ///< one bit each
+    Pulse standstill{};
+};
+
 /// Description of a protocol for the rest of the program. Each one is a line of the table in
 /// transports/registry/protocols.inc. The functions are pure and reentrant.
 struct Protocol {
@@ -84,12 +90,22 @@ struct Protocol {
     /// The channels that every good frame of an input with these settings has, one bit each; other
     /// channels may be absent. Null or nothing: the sender decides.
     std::optional<std::uint32_t> (*sure_channels)(const SettingValues&) = nullptr;
+    /// The channels that frames of an input with these settings can have, one bit each. Null: all.
+    std::uint32_t (*possible_channels)(const SettingValues&) = nullptr;
     /// Errors in settings that are each valid alone. Null: none possible.
     std::vector<SettingMistake> (*check)(const SettingValues&, SettingScope) = nullptr;
+    /// What `check` accepts, but is probably not meant. Null: nothing.
+    std::vector<SettingMistake> (*warnings)(const SettingValues&, SettingScope) = nullptr;
+    /// The channels whose absence is no loss of an input with these settings, one bit each. Null:
+    /// none.
+    std::uint32_t (*optional_channels)(const SettingValues&) = nullptr;
     /// The defaults that depend on the direction or on other settings (`absent` says in words what
     /// they are), for those keys that have an effect. Keys that were given may be among them. The
     /// settings must be checked. Null: none.
     SettingValues (*dependent_defaults)(const SettingValues&, SettingScope) = nullptr;
+    /// What the receivers of an output with these settings do with the default presets, if they
+    /// move something. Null or nothing: nothing that matters.
+    std::optional<MovingPresets> (*moves_by_default)(const SettingValues&) = nullptr;
     /// The named values that an output with these settings sends. Null: none.
     std::vector<NamedUse> (*value_names)(const SettingValues&) = nullptr;
     /// Whether an output with these settings sends channels. If not, it needs no pipeline. Null:
@@ -162,6 +178,10 @@ inline bool never_signals_failsafe(const SettingValues&) {
 /// The first `count` channels, one bit each.
 constexpr std::uint32_t first_channels(std::size_t count) {
     return (1U << count) - 1;
+}
+template <std::size_t count>
+std::uint32_t has_at_most_first(const SettingValues&) {
+    return first_channels(count);
 }
 template <std::size_t count>
 std::optional<std::uint32_t> always_has_first(const SettingValues&) {

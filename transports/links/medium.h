@@ -77,6 +77,8 @@ struct Medium {
     Setting place;
     /// The default of that key in the manual: "required on CAN".
     std::string_view place_absent;
+    /// Whether places are paths of device files.
+    bool place_is_path = false;
     /// Further keys of an input or output on this medium.
     std::span<const Setting> settings = {};
     /// Which of them names the GPIO line of an output's freshness wave. Empty: none.
@@ -94,6 +96,9 @@ struct Medium {
     SilenceAdvice silence = {};
     /// Whether nothing has that name now: it may be plugged in later. Never null.
     bool (*is_missing)(const std::string& place) = nullptr;
+    /// Whether what an output sends to one place comes to an input at the other, although their
+    /// names differ. Null: never.
+    bool (*reaches)(const std::string& sent_to, const std::string& heard_at) = nullptr;
     /// Whether two different names stand for one place. Null: never.
     bool (*is_same)(const std::string& a, const std::string& b) = nullptr;
     /// Why the place can never be used, if that is known: "this is a folder; give ...". Else empty.

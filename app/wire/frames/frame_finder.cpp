@@ -1,6 +1,7 @@
 #include "app/wire/frames/frame_finder.h"
 
 #include <algorithm>
+#include <array>
 #include <deque>
 #include <iterator>
 #include <utility>
@@ -161,6 +162,7 @@ class CanFrameFinder final : public FrameFinder {
         return {.bytes = bytes_,
                 .frames = snapshots_,
                 .rejected = {rejected.begin(), rejected.end()},
+                .first_fault = first_fault_,
                 .can = can_};
     }
 
@@ -170,6 +172,7 @@ class CanFrameFinder final : public FrameFinder {
     std::unique_ptr<CanDecoder> decoder_;
     FrameJudge judge_;
     CanTally can_;
+    std::string first_fault_;
     std::uint64_t bytes_ = 0;
     std::uint64_t snapshots_ = 0;
 };
@@ -186,6 +189,10 @@ void CanFrameFinder::feed_frame(const RecordedCanFrame& recorded) {
     }
     judge_.bytes_came(recorded.at);
     const auto snapshot = decoder_->next(frame, Instant(recorded.at));
+    if (first_fault_.empty()) {
+        std::array<char, 256> text{};
+        first_fault_.assign(text.data(), decoder_->write_fault(text));
+    }
     if (!snapshot) {
         return;
     }

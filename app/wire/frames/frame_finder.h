@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "app/cli/protocol_use.h"
@@ -51,6 +52,8 @@ struct Tally {
     std::uint64_t frames = 0;  ///< on CAN, snapshots of the channels
     std::vector<NamedCount> rejected;
     std::uint64_t skipped_bytes = 0;
+    /// What was wrong with the first frame of which the decoder can tell it (write_fault).
+    std::string first_fault{};
     std::optional<CanTally> can{};
 };
 

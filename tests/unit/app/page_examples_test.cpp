@@ -95,7 +95,8 @@ class PageExamplesOfFiles : public testing::TestWithParam<PageWithFiles> {};
 
 INSTANTIATE_TEST_SUITE_P(
     Shown, PageExamplesOfFiles,
-    testing::Values(PageWithFiles{"sensor-bus.md", "tribus decode --protocol ibus-sensor sens.txt"},
+    testing::Values(PageWithFiles{"can.md", "tribus decode --as pages.toml:bus pages.log"},
+                    PageWithFiles{"sensor-bus.md", "tribus decode --protocol ibus-sensor sens.txt"},
                     PageWithFiles{"dronecan.md", "tribus decode --protocol dronecan drone.log"},
                     PageWithFiles{
                         "telemetry.md",
@@ -107,7 +108,7 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 TEST_P(PageExamplesOfFiles, AreWhatTheCommandsPrint) {
-    static const std::regex name("`([a-z]+\\.(log|txt))`");
+    static const std::regex name("`([a-z]+\\.(log|txt)|pages\\.(dbc|toml))`");
     const auto root = readme().parent_path();
     TemporaryFolder folder;
     for (const char* const file : {"telemetry.toml", "telemetry.dbc"}) {
@@ -119,7 +120,7 @@ TEST_P(PageExamplesOfFiles, AreWhatTheCommandsPrint) {
         const bool plain = fence.language.empty();
         if (plain && fence.text.starts_with("        t_us")) {
             shown = fence.text;
-        } else if (plain && std::regex_search(fence.title, match, name)) {
+        } else if (std::regex_search(fence.title, match, name)) {
             folder.write(match[1], fence.text);
         }
     }

@@ -68,8 +68,9 @@ TEST_P(ProgramCanVariants, DecodeReadsWhatEncodeWrites) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Settings, ProgramCanVariants,
-                         testing::Values("", "--fd true", "--crc p01", "--id 0x123",
-                                         "--id 0x18FF0000 --extended true", "--interface vcan12"));
+                         testing::Values("", "--fd", "--fd true", "--fd=true", "--fd --extended",
+                                         "--crc p01", "--id 0x123", "--id 0x18FF0000 --extended",
+                                         "--interface vcan12"));
 
 // 1500 is 0x05DC, 1000 is 0x03E8, the low byte first (@1).
 TEST_F(ProgramCan, DbcIsGivenAsInTheConfiguration) {

@@ -128,7 +128,12 @@ TEST_F(DbcSettings, AMistakeInTheFileIsToldWithItsLineThere) {
     write("bad.dbc", "BO_ 1 M: 8 A\n SG_ S : 60|8@1+ (1,0) [0|0] \"\" B\n");
     const Lines found = mistakes("dbc = \"bad.dbc\"\nsignals.M.S = 1\n");
     ASSERT_EQ(found.size(), 1U);
-    EXPECT_EQ(found[0].substr(0, 16), "11:7: bad.dbc:2:") << found[0];
+    EXPECT_EQ(found[0],
+              "12:15: signal \"S\" cannot be used because of a mistake in line 2, column 6 of the "
+              "DBC file: signal S needs 9 bytes, but message M has 8");
+    write("cut.dbc", "BO_ 1 M: 8 A\nCM_ \"");
+    EXPECT_EQ(mistakes("dbc = \"cut.dbc\"\nsignals.M.S = 1\n"),
+              Lines{"11:7: cut.dbc:2:5: text without its closing quote"});
 }
 
 TEST_F(DbcSettings, UnknownNamesAreToldWhereTheyStandWithThoseThatExist) {

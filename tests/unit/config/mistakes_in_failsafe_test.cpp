@@ -84,5 +84,55 @@ action = "hold")",
 INSTANTIATE_TEST_SUITE_P(Mistakes, MistakeInFailsafe, ::testing::ValuesIn(kMistakes),
                          [](const auto& mistake) { return std::string(mistake.param.name); });
 
+std::string motors(std::string_view settings, std::string_view failsafe) {
+    return "[input.rx]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyA\"\n"
+           "[output.esc]\nprotocol = \"dronecan\"\ninterface = \"can0\"\nnode_id = 42\n"
+           "carries = \"motors\"\n" +
+           std::string(settings) +
+           "[pipeline.main]\nfrom = \"rx\"\nto = \"esc\"\n[pipeline.main.failsafe]\n" +
+           std::string(failsafe);
+}
+
+std::string unwritten(std::string_view channel, std::string_view by_default,
+                      std::string_view standstill) {
+    return "\"action\" is \"preset\", but the preset of channel " + std::string(channel) +
+           " is not written: output \"esc\" drives motors, and they would get the default, " +
+           std::string(by_default) + " us, where " + std::string(standstill) +
+           " us is standstill; write a preset for each of them, such as preset = { other = " +
+           std::string(standstill) + " }, or leave \"action\" out";
+}
+
+/// The default preset, 1500 us, is half throttle; 988 us on channel 3 of reversible motors is full
+/// reverse.
+TEST(PresetsOfMotors, MustBeWritten) {
+    using Lines = std::vector<std::string>;
+    EXPECT_EQ(mistakes_in(motors("", "action = \"preset\"\n")),
+              Lines{"t.toml:13:10: " + unwritten("1", "1500", "1000")});
+    EXPECT_EQ(mistakes_in(motors("reversible = true\n", "action = \"preset\"\n")),
+              Lines{"t.toml:14:10: " + unwritten("3", "988", "1500")});
+    EXPECT_EQ(mistakes_in(motors("", "action = \"preset\"\npreset = { 1 = 1000, 2 = 1000 }\n")),
+              Lines{"t.toml:13:10: " + unwritten("3", "1500", "1000")});
+    EXPECT_EQ(mistakes_in(motors("", "action = \"preset\"\npreset = { other = 1000 }\n")), Lines{});
+    EXPECT_EQ(mistakes_in(motors("channels = 1\n", "action = \"preset\"\npreset = { 1 = 1000 }\n")),
+              Lines{});
+    EXPECT_EQ(mistakes_in(motors("", "action = \"silence\"\n")), Lines{});
+    EXPECT_EQ(mistakes_in(motors("", "")), Lines{});
+}
+
+TEST(HoldWithoutAMark, IsAtMost300MillisecondsUnlessForced) {
+    using Lines = std::vector<std::string>;
+    const auto held = [](std::string_view output, std::string_view hold) {
+        return main_job_with(5, output) + "[pipeline.main.failsafe]\nhold = \"" +
+               std::string(hold) + "\"\n";
+    };
+    EXPECT_EQ(mistakes_in(held("protocol = \"ibus\"", "301ms")),
+              Lines{"t.toml:11:8: \"hold\" is \"301ms\", but \"ibus\" of output \"servos\" cannot "
+                    "mark held values: for so long its receiver takes old values for fresh ones; "
+                    "allowed there: at most \"300ms\", or add force = true to [output.servos]"});
+    EXPECT_EQ(mistakes_in(held("protocol = \"ibus\"", "300ms")), Lines{});
+    EXPECT_EQ(mistakes_in(held("protocol = \"ibus\"\nforce = true", "2s")), Lines{});
+    EXPECT_EQ(mistakes_in(held("protocol = \"sbus\"", "2s")), Lines{});
+}
+
 }  // namespace
 }  // namespace tribus::test::mistakes_in_failsafe_test

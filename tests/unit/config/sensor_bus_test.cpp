@@ -239,7 +239,11 @@ TEST_F(SensorBusConfiguration, SaysWhereTheFileOfAMessageIsWrong) {
                   "BO_ 291 Battery: 8 A\n SG_ Voltage : 0|16@1+ (1,0 [0|0] \"\" B\n");
     const Lines found = mistakes(kMessageOfABus + "message = \"Battery\"\n");
     ASSERT_EQ(found.size(), 1U);
-    EXPECT_TRUE(found.front().starts_with("6:7: battery.dbc:2:29: ")) << found.front();
+    EXPECT_TRUE(
+        found.front().starts_with("7:11: battery.dbc: message \"Battery\" cannot be used "
+                                  "because of a mistake in line 2, column 29 of the DBC "
+                                  "file: "))
+        << found.front();
 }
 
 TEST_F(SensorBusConfiguration, SaysWhatIsWrongWithTheNamesOfSignals) {

@@ -117,6 +117,8 @@ const Protocol kCrsfProtocol{
     .least_spacing = std::chrono::milliseconds(4),
     .default_timeout = CrsfDecoder::kNoChannelsAfter,
     .signals_failsafe = never_signals_failsafe,
+    // Frames of type 17 could carry more, but no sender is known that does.
+    .possible_channels = has_at_most_first<16>,
     .check = check_crsf,
     .is_timed_by_receiver = is_handset,
     .make_decoder = make_crsf_decoder,

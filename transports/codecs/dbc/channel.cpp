@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+
+#include <fmt/format.h>
 
 namespace tribus {
 namespace {
@@ -123,6 +126,29 @@ std::optional<Pulse> read_dbc_channel(const DbcChannel& channel,
         return std::nullopt;
     }
     return Pulse::from_fractional_microseconds(along(*value, channel.value, channel.microseconds));
+}
+
+std::size_t write_dbc_absence(const DbcChannel& channel, std::uint64_t bits, std::span<char> text) {
+    const double value = channel.layout.physical(bits);
+    const auto written = [&text](auto result) {
+        return std::min<std::size_t>(result.size, text.size());
+    };
+    if (bits == channel.error) {
+        return written(fmt::format_to_n(text.data(), text.size(), "its code for \"error\""));
+    }
+    if (bits == channel.not_available || bits == channel.usual_not_available) {
+        return written(
+            fmt::format_to_n(text.data(), text.size(), "its code for \"not available\""));
+    }
+    if (!std::isfinite(value)) {
+        return written(fmt::format_to_n(text.data(), text.size(), "{} is no number", value));
+    }
+    if (!in_range(channel.layout, channel.range, bits, value)) {
+        return written(fmt::format_to_n(text.data(), text.size(), "{} is outside of [{}|{}]", value,
+                                        (*channel.range)[0], (*channel.range)[1]));
+    }
+    return written(
+        fmt::format_to_n(text.data(), text.size(), "its direction signals contradict each other"));
 }
 
 void write_dbc_channel(const DbcChannel& channel, std::optional<Pulse> pulse, bool failsafe,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -15,6 +16,10 @@ namespace tribus {
 /// direction signals.
 std::optional<Pulse> read_dbc_channel(const DbcChannel& channel,
                                       std::span<const std::uint8_t> data);
+
+/// Why a signal with these bits has no value, for people: "65535 is outside of [800|2200]". Writes
+/// to the front of `text`, cut to its size; returns the length.
+std::size_t write_dbc_absence(const DbcChannel& channel, std::uint64_t bits, std::span<char> text);
 
 /// `pulse`: nothing for an absent channel, which is written as a code, or as 1500 us if the signal
 /// has no code. In `failsafe` the code for an error is preferred.

@@ -52,6 +52,7 @@ class DbcDecoder final : public CanDecoder {
     std::optional<ChannelFrame> next(const CanFrame& frame, Instant received) override;
     std::span<const NamedCount> rejected() const override { return rejected_; }
     bool two_senders() const override;
+    std::size_t write_fault(std::span<char> text) const override;
 
   private:
     enum RejectCause : std::size_t {
@@ -68,6 +69,7 @@ class DbcDecoder final : public CanDecoder {
     struct MessageState {
         std::optional<Instant> received;
         std::uint32_t id = 0;
+        std::optional<std::uint8_t> wrong_length;       ///< of its latest frame
         std::optional<CounterWatch> watch;              ///< only for a message with a counter
         std::optional<TwoSenderWatch> senders;          ///< only for a message without counter and
                                                         ///< without pages
@@ -81,6 +83,10 @@ class DbcDecoder final : public CanDecoder {
         Duration interval{};  ///< between its latest two arrivals; zero: unknown
         bool failsafe = false;
         bool frame_lost = false;
+        bool may_be_absent = false;                 ///< it has nothing but optional channels
+        const DbcChannel* without_value = nullptr;  ///< that made its latest frame failsafe
+        const DbcFixed* wrong_fixed = nullptr;      ///< the same
+        std::uint64_t bits = 0;                     ///< of that signal
     };
 
     void watch_counters();
@@ -95,6 +101,8 @@ class DbcDecoder final : public CanDecoder {
     void start_round_after_pause(Instant received);
     bool complete() const;
     bool overdue(const PartState& part, Instant now) const;
+    void judge_fixed(const DbcPart& part, std::span<const std::uint8_t> data, PartState& state);
+    void take_channels(const DbcPart& part, std::span<const std::uint8_t> data, PartState& state);
     ChannelFrame snapshot(Instant now);
 
     DbcMap map_;
@@ -102,6 +110,7 @@ class DbcDecoder final : public CanDecoder {
     std::vector<MessageState> messages_;
     std::vector<PartState> parts_;
     std::optional<Instant> awaited_received_;  ///< the latest arrival of any awaited part
+    std::optional<std::size_t> absent_part_;   ///< overdue when the latest snapshot was made
     bool reported_failsafe_ = false;           ///< whether the latest snapshot was marked failsafe
     std::array<std::optional<Pulse>, kChannelCount> values_{};
     std::array<NamedCount, 8> rejected_{{{"length"},

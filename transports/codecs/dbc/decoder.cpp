@@ -85,6 +85,9 @@ void DbcDecoder::describe_parts() {
         const auto cycle = map_.messages[part.message].cycle;
         parts_[i].awaited =
             !part.channels.empty() && !(cycle && quickest && slow(*cycle, *quickest));
+        parts_[i].may_be_absent = part.flags.empty() && part.fixed.empty() &&
+                                  !part.channels.empty() &&
+                                  std::ranges::all_of(part.channels, &DbcChannel::optional);
         parts_[i].longest_absence = kGuardWithoutCycle;
         if (cycle) {
             // A sender may send one page in each cycle.
@@ -107,7 +110,11 @@ bool DbcDecoder::refuse(RejectCause cause) {
 
 bool DbcDecoder::valid(std::size_t message, const CanFrame& frame, Instant received) {
     const DbcMappedMessage& mapped = map_.messages[message];
+    messages_[message].wrong_length.reset();
     if (frame.remote || frame.length < mapped.length || frame.fd != mapped.fd) {
+        if (!frame.remote && frame.length < mapped.length) {
+            messages_[message].wrong_length = frame.length;
+        }
         return refuse(kLength);
     }
     const auto data = frame.bytes().first(mapped.length);
@@ -172,10 +179,9 @@ void DbcDecoder::take(std::size_t index, std::span<const std::uint8_t> data, Ins
     state.received = received;
     state.fresh = true;
     state.frame_lost = false;
-    const bool fits = std::ranges::all_of(part.fixed, [&](const DbcFixed& fixed) {
-        return fixed.layout.raw_bits(data) == fixed.bits;
-    });
-    state.failsafe = !fits && !refuse(kWrongFixed);
+    state.failsafe = false;
+    state.without_value = nullptr;
+    judge_fixed(part, data, state);
     for (const DbcFlag& flag : part.flags) {
         const std::uint64_t bits = flag.layout.raw_bits(data);
         if (flag.meaning == DbcFlagMeaning::cause) {
@@ -185,13 +191,35 @@ void DbcDecoder::take(std::size_t index, std::span<const std::uint8_t> data, Ins
         bool& said = flag.meaning == DbcFlagMeaning::frame_lost ? state.frame_lost : state.failsafe;
         said = said || bad;
     }
+    take_channels(part, data, state);
+}
+
+void DbcDecoder::judge_fixed(const DbcPart& part, std::span<const std::uint8_t> data,
+                             PartState& state) {
+    const auto wrong = std::ranges::find_if(part.fixed, [&](const DbcFixed& fixed) {
+        return fixed.layout.raw_bits(data) != fixed.bits;
+    });
+    state.wrong_fixed = wrong == part.fixed.end() ? nullptr : &*wrong;
+    if (state.wrong_fixed != nullptr) {
+        state.bits = wrong->layout.raw_bits(data);
+        state.failsafe = !refuse(kWrongFixed);
+    }
+}
+
+/// A sender that says failsafe itself may send anything in its channels.
+void DbcDecoder::take_channels(const DbcPart& part, std::span<const std::uint8_t> data,
+                               PartState& state) {
+    const bool said = state.failsafe;
     bool whole = true;
     for (const DbcChannel& channel : part.channels) {
         const auto pulse = read_dbc_channel(channel, data);
         values_[channel.channel] = pulse;
-        whole = whole && (pulse || channel.optional);
+        if (!pulse && !channel.optional && std::exchange(whole, false) && !said) {
+            state.without_value = &channel;
+            state.bits = channel.layout.raw_bits(data);
+        }
     }
-    state.failsafe = state.failsafe || (!whole && !refuse(kNoValue));
+    state.failsafe = said || (!whole && !refuse(kNoValue));
 }
 
 /// If all awaited parts come in one burst per cycle, the pause before a burst separates it from the
@@ -229,9 +257,18 @@ ChannelFrame DbcDecoder::snapshot(Instant now) {
     snapshot.received = now;
     snapshot.origin = Origin::dbc;
     snapshot.frame_lost = snapshot.failsafe = false;
-    for (const PartState& part : parts_) {
+    absent_part_.reset();
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+        PartState& part = parts_[i];
         const bool missing = !part.awaited && overdue(part, now);
-        snapshot.failsafe = snapshot.failsafe || part.failsafe || missing;
+        if (missing && part.may_be_absent) {
+            for (const DbcChannel& channel : map_.parts[i].channels) {
+                values_[channel.channel].reset();
+            }
+        } else if (missing) {
+            absent_part_ = i;
+        }
+        snapshot.failsafe = snapshot.failsafe || part.failsafe || absent_part_.has_value();
         snapshot.frame_lost = snapshot.frame_lost || part.frame_lost;
         if (part.awaited && part.received) {
             snapshot.received = std::min(snapshot.received, *part.received);

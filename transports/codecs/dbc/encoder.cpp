@@ -64,11 +64,16 @@ bool DbcEncoder::uses_fd() const {
 }
 
 bool DbcEncoder::marks_frame_lost() const {
-    return std::ranges::any_of(map_.parts, [](const DbcPart& part) {
+    const auto marks = [](const DbcPart& part) {
         return std::ranges::any_of(part.flags, [](const DbcFlag& flag) {
             return flag.meaning != DbcFlagMeaning::failsafe;
         });
-    });
+    };
+    // Held values in one unmarked frame are unmarked.
+    return std::ranges::any_of(map_.parts, marks) &&
+           std::ranges::all_of(map_.parts, [marks](const DbcPart& part) {
+               return part.channels.empty() || marks(part);
+           });
 }
 
 bool DbcEncoder::due(std::size_t index, const ChannelFrame& snapshot, Instant now) const {

@@ -36,7 +36,7 @@ tl::expected<DbcFile, DbcMistake> parse_dbc(std::string_view text) {
         return tl::unexpected(
             DbcMistake{1, 1, "the text is UTF-16; save it as UTF-8 or as Windows-1252"});
     }
-    return read_dbc_statements(text).and_then(resolve_dbc);
+    return read_dbc_statements(text).map(resolve_dbc);
 }
 
 }  // namespace tribus

@@ -81,6 +81,19 @@ struct DbcSignal {
     bool has_range() const { return minimum < maximum; }
 };
 
+/// Error in a text. Lines and columns count from 1, columns in bytes.
+struct DbcMistake {
+    unsigned line = 1;
+    unsigned column = 1;
+    std::string text;
+};
+
+/// A message or a signal that a mistake makes unusable. The rest of the file counts.
+struct DbcUnusable {
+    std::string name;
+    DbcMistake why;
+};
+
 /// One message (BO_) with its signals.
 struct DbcMessage {
     std::string name;
@@ -102,7 +115,9 @@ struct DbcMessage {
     /// RcE2eDataId of the message, or the default of all messages; a default of 0 does not count.
     std::optional<std::uint32_t> e2e_data_id;
     std::string sender;
+    /// The signals that can be used. Their names are unique.
     std::vector<DbcSignal> signals;
+    std::vector<DbcUnusable> unusable{};
     /// Line in the file, from 1.
     unsigned line = 0;
 
@@ -112,25 +127,21 @@ struct DbcMessage {
 
 /// Content of a DBC file.
 struct DbcFile {
-    /// Names are unique, and so are ids of one kind.
+    /// The messages that can be used. Names are unique, and so are ids of one kind.
     std::vector<DbcMessage> messages;
+    std::vector<DbcUnusable> unusable{};
+    /// All that is wrong with an accepted file, in its order, one mistake a place.
+    std::vector<DbcMistake> warnings{};
 
     /// The message with that name, or nullptr.
     const DbcMessage* find(std::string_view message_name) const;
 };
 
-/// Error in a text. Lines and columns count from 1, columns in bytes.
-struct DbcMistake {
-    unsigned line = 1;
-    unsigned column = 1;
-    std::string text;
-};
-
 /// Reads a whole DBC text. Tolerates harmless deviations: line ends, tabs, a byte order mark, texts
 /// in cp1252 (returned as UTF-8), sections in any order, unknown sections, references to unknown
-/// signals, a last statement without ';', no message at all. Long names replace short ones. Returns
-/// an error for anything that would falsify values, including a text that is cut off within a
-/// value.
+/// signals, a last statement without ';', no message at all. Long names replace short ones. A
+/// mistake that would falsify values makes the message or the signal unusable that it is about.
+/// Returns an error if that is not known, and for a text that is cut off within a statement.
 tl::expected<DbcFile, DbcMistake> parse_dbc(std::string_view text);
 
 }  // namespace tribus

@@ -55,12 +55,13 @@ void read_cycles(const SettingValues& settings, const SettingTree::Table& messag
 }
 
 /// An output may send one channel in several signals; an input would have to choose between them.
+/// An output may also send messages without channels, such as a SYNC or a heartbeat.
 void check_channels(const DbcMap& map, const SettingTree::Table& messages, SettingScope scope,
                     Mistakes& mistakes) {
-    const auto carries = [](const DbcPart& part) {
-        return !part.channels.empty() || !part.values.empty();
+    const auto useful = [scope](const DbcPart& part) {
+        return !part.channels.empty() || scope == SettingScope::output;
     };
-    if (std::ranges::none_of(map.parts, carries)) {
+    if (std::ranges::none_of(map.parts, useful)) {
         const std::string_view also =
             scope == SettingScope::output ? ", or SIGNAL = { from = \"battery.voltage\" }" : "";
         mistakes.push_back({{"signals"},
@@ -114,7 +115,20 @@ void check_part_count(const DbcMap& map, SettingScope scope, Mistakes& mistakes)
     }
 }
 
-void read_messages(const DbcFile& file, const SettingTree::Table& messages, SettingScope scope,
+void check_own_address(const DbcFile& file, const SettingTree::Table& messages, const DbcEnd& end,
+                       Mistakes& mistakes) {
+    const bool used = std::ranges::any_of(messages, [&](const SettingEntry& entry) {
+        const DbcMessage* message = file.find(entry.key);
+        return message != nullptr && leaves_source_open(*message);
+    });
+    if (end.own_address && !used) {
+        mistakes.push_back({{"own_address"},
+                            "it is for ids of J1939 that the file leaves at 0xFE, but no mapped "
+                            "message has one; leave it out"});
+    }
+}
+
+void read_messages(const DbcFile& file, const SettingTree::Table& messages, const DbcEnd& end,
                    DbcMap& map, Mistakes& mistakes) {
     for (const SettingEntry& entry : messages) {
         const DbcMessage* message = file.find(entry.key);
@@ -129,9 +143,19 @@ void read_messages(const DbcFile& file, const SettingTree::Table& messages, Sett
             mistakes.push_back(
                 {{"signals", entry.key}, "a message has signals; allowed: MESSAGE.SIGNAL = 1"});
         } else {
-            map_dbc_message(*message, *roles, {"signals", entry.key}, scope, map, mistakes);
+            map_dbc_message(*message, *roles, {"signals", entry.key}, end, map, mistakes);
         }
     }
+}
+
+/// Whether the frames of this part can tell their receiver not to use the channels in them.
+bool says_failsafe(const DbcPart& part) {
+    const bool flagged = std::ranges::any_of(part.flags, [](const DbcFlag& flag) {
+        return flag.meaning == DbcFlagMeaning::failsafe || flag.meaning == DbcFlagMeaning::good;
+    });
+    return flagged || std::ranges::all_of(part.channels, [](const DbcChannel& channel) {
+               return channel.error || channel.not_available;
+           });
 }
 
 }  // namespace
@@ -162,6 +186,39 @@ bool DbcMap::signals_failsafe() const {
     return flagged || coded;
 }
 
+bool DbcMap::signals_failsafe(std::size_t message) const {
+    return std::ranges::all_of(parts, [message](const DbcPart& part) {
+        return part.message != message || says_failsafe(part);
+    });
+}
+
+std::optional<Duration> DbcMap::shortest_cycle_of_all() const {
+    std::optional<Duration> shortest;
+    for (const DbcMappedMessage& message : messages) {
+        if (message.cycle && (!shortest || *message.cycle < *shortest)) {
+            shortest = message.cycle;
+        }
+    }
+    return shortest;
+}
+
+std::vector<SettingMistake> warnings_about_dbc(const DbcFile& file, const std::string& path) {
+    constexpr std::size_t kMost = 10;
+    Mistakes warnings;
+    for (std::size_t i = 0; i < std::min(file.warnings.size(), kMost); ++i) {
+        const DbcMistake& wrong = file.warnings[i];
+        warnings.push_back({{"dbc"},
+                            path + ":" + std::to_string(wrong.line) + ":" +
+                                std::to_string(wrong.column) + ": " + wrong.text});
+    }
+    if (file.warnings.size() > kMost) {
+        warnings.push_back({{"dbc"},
+                            path + ": and " + std::to_string(file.warnings.size() - kMost) +
+                                " more mistakes in what is not used"});
+    }
+    return warnings;
+}
+
 bool DbcMap::needs_channels() const {
     return std::ranges::any_of(
         parts, [](const DbcPart& part) { return !part.channels.empty() || !part.flags.empty(); });
@@ -184,7 +241,12 @@ tl::expected<DbcMap, std::vector<SettingMistake>> build_dbc_map(const SettingVal
     DbcMap map;
     Mistakes mistakes;
     const auto& messages = *signals->as<SettingTree::Table>();
-    read_messages(*file, messages, scope, map, mistakes);
+    DbcEnd end{.scope = scope};
+    if (const auto* address = settings.find_as<std::int64_t>("own_address")) {
+        end.own_address = static_cast<std::uint8_t>(*address);
+    }
+    read_messages(*file, messages, end, map, mistakes);
+    check_own_address(*file, messages, end, mistakes);
     read_cycles(settings, messages, map, mistakes);
     if (mistakes.empty()) {
         check_channels(map, messages, scope, mistakes);

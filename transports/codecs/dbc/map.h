@@ -22,6 +22,7 @@ namespace tribus {
 /// A signal that carries a channel.
 struct DbcChannel {
     std::size_t channel = 0;  ///< from 0
+    std::string signal{};     ///< its name
     DbcLayout layout;
     /// Two points of a straight line between physical values and microseconds.
     std::array<double, 2> value{};
@@ -32,6 +33,8 @@ struct DbcChannel {
     /// Raw bits that are no value (J1939: all ones, and one less).
     std::optional<std::uint64_t> not_available{};
     std::optional<std::uint64_t> error{};
+    /// What J1939 uses for "not available", only to name it: the keys above decide.
+    std::optional<std::uint64_t> usual_not_available{};
     /// A missing value means that the channel is absent, not that the source has failed.
     bool optional = false;
     /// Only if the layout holds a magnitude: signals that give its direction, with 0 no, 1 yes, 2
@@ -59,6 +62,7 @@ struct DbcFlag {
 
 /// A signal that always has this raw value. A received frame with another value counts as failsafe.
 struct DbcFixed {
+    std::string signal;  ///< its name
     DbcLayout layout;
     std::uint64_t bits = 0;
 };
@@ -142,11 +146,18 @@ struct DbcMap {
 
     /// The shortest cycle time of the messages with channels; nothing if none has one.
     std::optional<Duration> shortest_cycle() const;
+    /// The same of all messages.
+    std::optional<Duration> shortest_cycle_of_all() const;
     /// Whether a frame can tell the receiver not to use the values.
     bool signals_failsafe() const;
+    /// Whether the frames of this message can tell it of their own channels.
+    bool signals_failsafe(std::size_t message) const;
     /// Whether a frame carries a channel or a flag.
     bool needs_channels() const;
 };
+
+/// What is wrong with a file that is accepted, at most ten mistakes and the number of the others.
+std::vector<SettingMistake> warnings_about_dbc(const DbcFile& file, const std::string& path);
 
 /// Builds the map of an input or output from checked settings. The error lists all mistakes with
 /// the path of each key, for the person who wrote them.

@@ -9,6 +9,7 @@
 #include <utility>
 #include <variant>
 
+#include "core/quotes.h"
 #include "transports/codecs/dbc/signal.h"
 #include "transports/codecs/dbc/signal_map.h"
 
@@ -24,10 +25,6 @@ constexpr std::uint32_t kWithoutSource = 0x03FF'FF00;
 constexpr std::uint32_t kSourceAddress = 0xFF;
 /// No node may send from this address. In DBC files it stands for "any source".
 constexpr std::uint32_t kNullAddress = 0xFE;
-
-bool any_source(const DbcMessage& message) {
-    return message.j1939 && (message.id & kSourceAddress) == kNullAddress;
-}
 
 constexpr const char* kNotReceived =
     "\"from\" sends a named value, but this is an input; allowed: in the signals of an output; "
@@ -52,8 +49,12 @@ bool starts_with(const Page& page, const Page& beginning) {
 /// Builds the mapping of one message from the roles of its signals.
 class MessageBuilder {
   public:
-    MessageBuilder(const DbcMessage& message, SettingScope scope, DbcMap& map, Mistakes& mistakes)
-        : message_(message), scope_(scope), map_(map), mistakes_(mistakes) {}
+    MessageBuilder(const DbcMessage& message, const DbcEnd& end, DbcMap& map, Mistakes& mistakes)
+        : message_(message),
+          scope_(end.scope),
+          own_address_(end.own_address),
+          map_(map),
+          mistakes_(mistakes) {}
 
     void build(const SettingTree::Table& roles, const Path& path) {
         const std::size_t before = mistakes_.size();
@@ -69,6 +70,7 @@ class MessageBuilder {
                 mapped_.push_back(std::move(*mapped));
             }
         }
+        choose_pages();
         check_message(roles, path);
         if (mistakes_.size() > before) {
             return;
@@ -85,16 +87,63 @@ class MessageBuilder {
         mistakes_.push_back({path, std::move(text)});
     }
 
+    /// A fixed selector says which page is meant.
+    void choose_pages() {
+        for (std::size_t at = 0; at < mapped_.size();) {
+            const auto* fixed = std::get_if<DbcFixed>(&mapped_[at].use);
+            if (fixed != nullptr && choose_page(mapped_[at], fixed->bits)) {
+                mapped_.erase(mapped_.begin() + static_cast<std::ptrdiff_t>(at));
+            } else {
+                ++at;
+            }
+        }
+    }
+
+    /// Returns whether other mapped signals depend on the selector.
+    bool choose_page(const DbcMappedSignal& selector, std::uint64_t page) {
+        bool selects = false;
+        for (DbcMappedSignal& signal : mapped_) {
+            for (DbcCondition& condition : signal.conditions) {
+                if (condition.selector != selector.signal) {
+                    continue;
+                }
+                selects = true;
+                if (std::ranges::none_of(condition.selected_by, [page](const auto& range) {
+                        return range.first <= page && page <= range.last;
+                    })) {
+                    complain(selector.path, off_page(*selector.signal, *signal.signal, page));
+                    return true;
+                }
+                condition.selected_by = {{page, page}};
+            }
+        }
+        return selects;
+    }
+
+    std::string off_page(const DbcSignal& selector, const DbcSignal& signal,
+                         std::uint64_t page) const {
+        return in_quotes(selector.name) + " is fixed to the page " + std::to_string(page) +
+               ", but " + in_quotes(signal.name) +
+               " is on another one; allowed: the signals of one page, or leave " +
+               in_quotes(selector.name) +
+               (scope_ == SettingScope::output ? " out: then each page is sent in turn"
+                                               : " out: then each page is read");
+    }
+
+    /// A message without data, such as SYNC of CANopen, is sent as it is.
+    bool may_be_bare() const { return scope_ == SettingScope::output && message_.length == 0; }
+
     void check_message(const SettingTree::Table& roles, const Path& path) {
-        if (roles.empty()) {
+        if (roles.empty() && !may_be_bare()) {
             complain(path,
                      "no signal of the message has a role; allowed: at least one, such as "
                      "SIGNAL = 1 or SIGNAL = { fixed = 5 }");
         }
-        if (scope_ == SettingScope::output && any_source(message_)) {
+        if (scope_ == SettingScope::output && leaves_source_open(message_) && !own_address_) {
             complain(path,
                      "the id of the message has the source address 0xFE, from which no node "
-                     "may send; allowed: the address of this node in the id of the DBC file");
+                     "may send; add own_address = 0 to 253, the address of this node, to the "
+                     "output");
         }
         check_alone<DbcCounter>("the message already has a counter; allowed: one");
         check_alone<DbcChecksum>("the message already has a checksum; allowed: one");
@@ -115,6 +164,11 @@ class MessageBuilder {
         mapped.name = message_.name;
         mapped.sent_id = message_.id;
         mapped.id = received_ids(message_);
+        if (scope_ == SettingScope::output && leaves_source_open(message_) && own_address_) {
+            mapped.sent_id = (message_.id & ~kSourceAddress) | *own_address_;
+            mapped.id.id = mapped.sent_id;
+            mapped.id.mask = kWithoutPriority;
+        }
         mapped.fd = message_.fd;
         mapped.bit_rate_switch = message_.bit_rate_switch;
         mapped.length = static_cast<std::uint8_t>(message_.length);
@@ -162,6 +216,9 @@ class MessageBuilder {
     /// The deepest pages. Signals of outer pages are in each page below.
     std::vector<Page> pages() const {
         std::vector<Page> pages;
+        if (mapped_.empty()) {
+            pages.emplace_back();
+        }
         for (const DbcMappedSignal& signal : mapped_) {
             Page page = page_of(signal.conditions);
             const bool deeper = std::ranges::any_of(mapped_, [&](const DbcMappedSignal& other) {
@@ -246,6 +303,7 @@ class MessageBuilder {
 
     const DbcMessage& message_;
     SettingScope scope_;
+    std::optional<std::uint8_t> own_address_;
     DbcMap& map_;
     Mistakes& mistakes_;
     std::vector<DbcMappedSignal> mapped_;
@@ -253,18 +311,22 @@ class MessageBuilder {
 
 }  // namespace
 
+bool leaves_source_open(const DbcMessage& message) {
+    return message.j1939 && (message.id & kSourceAddress) == kNullAddress;
+}
+
 CanIdMatch received_ids(const DbcMessage& message) {
     CanIdMatch ids{.id = message.id, .extended = message.extended};
     if (message.j1939) {
-        ids.mask = any_source(message) ? kWithoutSource : kWithoutPriority;
+        ids.mask = leaves_source_open(message) ? kWithoutSource : kWithoutPriority;
     }
     return ids;
 }
 
 void map_dbc_message(const DbcMessage& message, const SettingTree::Table& roles,
-                     const std::vector<std::string>& path, SettingScope scope, DbcMap& map,
+                     const std::vector<std::string>& path, const DbcEnd& end, DbcMap& map,
                      std::vector<SettingMistake>& mistakes) {
-    MessageBuilder(message, scope, map, mistakes).build(roles, path);
+    MessageBuilder(message, end, map, mistakes).build(roles, path);
 }
 
 }  // namespace tribus

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -36,39 +37,38 @@ unsigned bits_needed(const DbcSignal& signal) {
     return before + signal.bit_length;
 }
 
-bool check_id(DbcTokens& tokens, const DbcMessage& message, DbcPlace place) {
+std::optional<DbcMistake> wrong_id(const DbcMessage& message, DbcPlace place) {
     if (message.id <= (message.extended ? kLastExtendedId : kLastStandardId)) {
-        return true;
+        return std::nullopt;
     }
     const std::string shown = "the id of message " + message.name + ", ";
     if (message.extended) {
-        return tokens.fail(place, shown + std::to_string(message.id | kDbcExtendedFlag) +
-                                      ", has more than 29 bits besides bit 31");
+        return dbc_mistake_at(place, shown + std::to_string(message.id | kDbcExtendedFlag) +
+                                         ", has more than 29 bits besides bit 31");
     }
-    return tokens.fail(place,
-                       shown + std::to_string(message.id) +
-                           ", has more than 11 bits; a 29-bit id has bit 31 set in the file, "
-                           "so add 2147483648 to it");
+    return dbc_mistake_at(place, shown + std::to_string(message.id) +
+                                     ", has more than 11 bits; a 29-bit id has bit 31 set in the "
+                                     "file, so add 2147483648 to it");
 }
 
-bool check_signal(DbcTokens& tokens, const DbcMessage& message, const DbcSignal& signal,
-                  const SignalPlaces& places) {
+std::optional<DbcMistake> wrong_signal(const DbcMessage& message, const DbcSignal& signal,
+                                       const SignalPlaces& places) {
     if (signal.bit_length < 1 || signal.bit_length > kLongestDbcSignal) {
-        return tokens.fail(places.length, "signal " + signal.name + " is " +
-                                              std::to_string(signal.bit_length) +
-                                              " bits long; allowed are 1 to 64");
+        return dbc_mistake_at(places.length, "signal " + signal.name + " is " +
+                                                 std::to_string(signal.bit_length) +
+                                                 " bits long; allowed are 1 to 64");
     }
     if (const unsigned needed = bits_needed(signal); needed > message.length * 8) {
-        return tokens.fail(places.name, "signal " + signal.name + " needs " +
-                                            std::to_string((needed + 7) / 8) +
-                                            " bytes, but message " + message.name + " has " +
-                                            std::to_string(message.length));
+        return dbc_mistake_at(places.name, "signal " + signal.name + " needs " +
+                                               std::to_string((needed + 7) / 8) +
+                                               " bytes, but message " + message.name + " has " +
+                                               std::to_string(message.length));
     }
     if (signal.factor == 0) {
-        return tokens.fail(places.factor, "the factor of signal " + signal.name +
-                                              " is 0: all raw values would have one meaning");
+        return dbc_mistake_at(places.factor, "the factor of signal " + signal.name +
+                                                 " is 0: all raw values would have one meaning");
     }
-    return true;
+    return std::nullopt;
 }
 
 /// Accepts M, m<number>, m<number>M, m, or nothing before the colon.
@@ -163,9 +163,7 @@ bool read_signal(DbcTokens& tokens, DbcMessageStatement& statement, bool placeho
     if (placeholder) {
         return true;
     }
-    if (!check_signal(tokens, statement.message, signal, places)) {
-        return false;
-    }
+    statement.signal_faults.push_back(wrong_signal(statement.message, signal, places));
     statement.message.signals.push_back(std::move(signal));
     statement.signal_names.push_back(name);
     statement.signal_places.push_back(places.name);
@@ -175,11 +173,20 @@ bool read_signal(DbcTokens& tokens, DbcMessageStatement& statement, bool placeho
 bool read_heading(DbcTokens& tokens, DbcMessageStatement& statement) {
     DbcMessage& message = statement.message;
     message.line = tokens.token().place.line;
-    if (!tokens.take_unsigned(statement.file_id, kAnyUnsigned, "the id of the message")) {
+    std::uint32_t id = 0;
+    if (!tokens.take_unsigned(id, kAnyUnsigned, "the id of the message")) {
+        // The name behind it tells whether somebody uses the message.
+        if (!tokens.at_section()) {
+            tokens.advance();
+        }
+        if (tokens.token().kind == DbcTokenKind::word && !tokens.at_section()) {
+            message.name = utf8_from_dbc(tokens.token().text);
+        }
         return false;
     }
-    message.extended = (statement.file_id & kDbcExtendedFlag) != 0;
-    message.id = statement.file_id & ~kDbcExtendedFlag;
+    statement.file_id = id;
+    message.extended = (id & kDbcExtendedFlag) != 0;
+    message.id = id & ~kDbcExtendedFlag;
     statement.name_place = tokens.token().place;
     if (!tokens.take_word(statement.name, "the name of the message") ||
         !tokens.take_mark(':', "after the name of the message")) {
@@ -198,17 +205,18 @@ bool read_heading(DbcTokens& tokens, DbcMessageStatement& statement) {
     return true;
 }
 
-}  // namespace
+bool is_placeholder(const DbcMessageStatement& statement) {
+    return statement.file_id == kPlaceholderId || statement.name == kPlaceholder;
+}
 
-bool read_dbc_message(DbcTokens& tokens, std::vector<DbcMessageStatement>& messages) {
-    DbcMessageStatement statement;
+bool read_whole(DbcTokens& tokens, DbcMessageStatement& statement) {
     const DbcPlace place = tokens.token().place;
     if (!read_heading(tokens, statement)) {
         return false;
     }
-    const bool placeholder = statement.file_id == kPlaceholderId || statement.name == kPlaceholder;
-    if (!placeholder && !check_id(tokens, statement.message, place)) {
-        return false;
+    const bool placeholder = is_placeholder(statement);
+    if (!placeholder) {
+        statement.fault = wrong_id(statement.message, place);
     }
     while (tokens.token().is_word("SG_")) {
         tokens.advance();
@@ -216,8 +224,31 @@ bool read_dbc_message(DbcTokens& tokens, std::vector<DbcMessageStatement>& messa
             return false;
         }
     }
-    if (!placeholder) {
-        messages.push_back(std::move(statement));
+    return true;
+}
+
+/// Skips what is left of a message, so that its signals do not become those of another one.
+void skip_message(DbcTokens& tokens) {
+    while (tokens.can_go_on() && (!tokens.at_section() || tokens.token().is_word("SG_"))) {
+        tokens.advance();
+    }
+}
+
+}  // namespace
+
+bool read_dbc_message(DbcTokens& tokens, DbcStatements& statements) {
+    DbcMessageStatement statement;
+    if (!read_whole(tokens, statement)) {
+        if (!tokens.can_go_on()) {
+            return false;
+        }
+        statement.fault = tokens.forgive();
+        skip_message(tokens);
+    }
+    if (is_placeholder(statement)) {
+        statements.placeholders.push_back(statement.file_id.value_or(kPlaceholderId));
+    } else {
+        statements.messages.push_back(std::move(statement));
     }
     return true;
 }

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstddef>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -29,6 +31,14 @@ constexpr std::array kDbcSettings{
                     "`counter`, `checksum`, `from`",
             .example = "{ Command = { Steering = 1, Lost = { flag = \"failsafe\" } } }",
             .inside = kDbcSignalKeys},
+    Setting{.key = "own_address",
+            .type = SettingType::integer,
+            .least = 0,
+            .most = 253,
+            .scope = SettingScope::output,
+            .help = "J1939: source address of this program. Fills the source address of ids that "
+                    "the DBC file leaves at 0xFE; other ids stay",
+            .example = "0x33"},
     Setting{.key = "cycles",
             .type = SettingType::tree,
             .absent = "the cycle times of the DBC file",
@@ -38,10 +48,41 @@ constexpr std::array kDbcSettings{
 };
 
 constexpr Duration kLeastDbcPeriod = std::chrono::milliseconds(1);
+/// Period if neither the user nor the file gives one: J1939 joysticks and drive units of rovers are
+/// sent every 20 ms at most (docs/protocols/can.md, "J1939 joysticks" and "Drive units and
+/// robots").
+constexpr Duration kDefaultDbcPeriod = std::chrono::milliseconds(20);
 
 std::vector<SettingMistake> check_dbc(const SettingValues& settings, SettingScope scope) {
     auto map = build_dbc_map(settings, scope);
     return map ? std::vector<SettingMistake>{} : std::move(map.error());
+}
+
+std::vector<SettingMistake> warnings_of_map(const DbcMap& map) {
+    std::vector<SettingMistake> warnings;
+    for (std::size_t i = 0; i < map.messages.size() && map.signals_failsafe(); ++i) {
+        if (!map.signals_failsafe(i)) {
+            warnings.push_back(
+                {{"signals", map.messages[i].name},
+                 "its frames cannot say failsafe, although other messages of this output can: "
+                 "their receiver sees held values and presets unmarked; add a signal with { flag "
+                 "= \"failsafe\" } or { flag = \"good\" }, or \"error\" or \"not_available\" to "
+                 "each of its channels"});
+        }
+    }
+    return warnings;
+}
+
+std::vector<SettingMistake> warnings_about(const SettingValues& settings, SettingScope scope) {
+    const auto* text = settings.find_as<SettingFile>("dbc");
+    const auto file = text == nullptr ? DbcFile{} : parse_dbc(text->content).value_or(DbcFile{});
+    auto warnings = warnings_about_dbc(file, text == nullptr ? "" : text->path);
+    if (scope == SettingScope::output) {
+        if (const auto map = build_dbc_map(settings, scope)) {
+            std::ranges::move(warnings_of_map(*map), std::back_inserter(warnings));
+        }
+    }
+    return warnings;
 }
 
 bool signals_failsafe(const SettingValues& settings) {
@@ -55,7 +96,12 @@ std::optional<Duration> own_period(const SettingValues& settings) {
     if (!map) {
         map = build_dbc_map(settings, SettingScope::input);
     }
-    const auto cycle = map ? map->shortest_cycle() : std::nullopt;
+    auto cycle = map ? map->shortest_cycle() : std::nullopt;
+    if (map && !cycle && !map->needs_channels()) {
+        // Slower messages of such an output keep their own cycle.
+        const auto quickest = map->shortest_cycle_of_all();
+        cycle = quickest && *quickest < kDefaultDbcPeriod ? quickest : std::nullopt;
+    }
     return cycle ? std::optional(std::max(*cycle, kLeastDbcPeriod)) : std::nullopt;
 }
 
@@ -87,7 +133,9 @@ bool needs_pipeline(const SettingValues& settings) {
     return !map || map->needs_channels();
 }
 
-std::optional<std::uint32_t> sure_dbc_channels(const SettingValues& settings) {
+/// The channels of an input that match, one bit each. Nothing if the settings have mistakes.
+std::optional<std::uint32_t> channels_that(const SettingValues& settings,
+                                           bool (*match)(const DbcChannel&)) {
     const auto map = build_dbc_map(settings, SettingScope::input);
     if (!map) {
         return std::nullopt;
@@ -95,10 +143,30 @@ std::optional<std::uint32_t> sure_dbc_channels(const SettingValues& settings) {
     std::uint32_t channels = 0;
     for (const DbcPart& part : map->parts) {
         for (const DbcChannel& channel : part.channels) {
-            channels |= channel.optional ? 0U : 1U << channel.channel;
+            channels |= match(channel) ? 1U << channel.channel : 0U;
         }
     }
     return channels;
+}
+
+bool is_sure(const DbcChannel& channel) {
+    return !channel.optional;
+}
+
+bool is_optional(const DbcChannel& channel) {
+    return channel.optional;
+}
+
+std::optional<std::uint32_t> sure_dbc_channels(const SettingValues& settings) {
+    return channels_that(settings, is_sure);
+}
+
+std::uint32_t possible_dbc_channels(const SettingValues& settings) {
+    return channels_that(settings, [](const DbcChannel&) { return true; }).value_or(kAllChannels);
+}
+
+std::uint32_t optional_dbc_channels(const SettingValues& settings) {
+    return channels_that(settings, is_optional).value_or(0);
 }
 
 AnyDecoder make_dbc_decoder(const SettingValues& settings) {
@@ -113,8 +181,6 @@ AnyEncoder make_dbc_encoder(const SettingValues& settings) {
 
 }  // namespace
 
-// Period if neither the user nor the file gives one: J1939 joysticks and drive units of rovers are
-// sent every 20 ms at most (docs/protocols/can.md, "J1939 joysticks" and "Drive units and robots").
 const Protocol kDbcProtocol{
     .name = "dbc",
     .title = "DBC",
@@ -122,12 +188,15 @@ const Protocol kDbcProtocol{
     .shape = WireShape::can_frames,
     .line = {},
     .settings = kDbcSettings,
-    .default_period = std::chrono::milliseconds(20),
+    .default_period = kDefaultDbcPeriod,
     .own_period = own_period,
     .least_period = kLeastDbcPeriod,
     .signals_failsafe = signals_failsafe,
     .sure_channels = sure_dbc_channels,
+    .possible_channels = possible_dbc_channels,
     .check = check_dbc,
+    .warnings = warnings_about,
+    .optional_channels = optional_dbc_channels,
     .value_names = value_names,
     .needs_pipeline = needs_pipeline,
     .make_decoder = make_dbc_decoder,

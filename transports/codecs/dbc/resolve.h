@@ -1,13 +1,11 @@
 #pragma once
 
-#include <tl/expected.hpp>
-
 #include "transports/codecs/dbc/file.h"
 #include "transports/codecs/dbc/statements.h"
 
 namespace tribus {
 
 /// Combines the statements of a file and checks what needs several of them. Pure and reentrant.
-tl::expected<DbcFile, DbcMistake> resolve_dbc(DbcStatements statements);
+DbcFile resolve_dbc(DbcStatements statements);
 
 }  // namespace tribus

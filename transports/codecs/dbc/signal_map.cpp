@@ -98,6 +98,7 @@ class SignalMapper {
             return std::nullopt;
         }
         DbcChannel channel{.channel = role.channel,
+                           .signal = signal_.name,
                            .layout = layout_,
                            .value = *value,
                            .microseconds = role.microseconds,
@@ -110,6 +111,9 @@ class SignalMapper {
         }
         channel.not_available = code(role.not_available, "not_available");
         channel.error = code(role.error, "error");
+        if (message_.j1939) {
+            channel.usual_not_available = j1939_not_available(signal_);
+        }
         channel.negative = status(role.negative, "negative");
         channel.positive = status(role.positive, "positive");
         channel.neutral = status(role.neutral, "neutral");
@@ -137,7 +141,7 @@ class SignalMapper {
                                      shown(layout_.physical(bits)));
             return std::nullopt;
         }
-        return DbcFixed{layout_, bits};
+        return DbcFixed{signal_.name, layout_, bits};
     }
 
     std::optional<DbcUse> use_of(const DbcCounterRole& role) {
@@ -287,7 +291,17 @@ class SignalMapper {
 
 }  // namespace
 
+std::string unusable_in_dbc(std::string_view kind, const DbcUnusable& part) {
+    return std::string(kind) + " " + in_quotes(part.name) +
+           " cannot be used because of a mistake in line " + std::to_string(part.why.line) +
+           ", column " + std::to_string(part.why.column) + " of the DBC file: " + part.why.text;
+}
+
 std::string no_dbc_message(const DbcFile& file, std::string_view name) {
+    const auto unusable = std::ranges::find(file.unusable, name, &DbcUnusable::name);
+    if (unusable != file.unusable.end()) {
+        return unusable_in_dbc("message", *unusable);
+    }
     return "the DBC file has no message " + in_quotes(name) +
            (file.messages.empty() ? "; it has no messages: no line begins with BO_"
                                   : "; allowed: " + dbc_names(file.messages));
@@ -297,6 +311,11 @@ std::optional<DbcMappedSignal> map_dbc_signal(const DbcMessage& message, const S
                                               const std::vector<std::string>& path,
                                               Mistakes& mistakes) {
     const DbcSignal* signal = message.find(entry.key);
+    const auto unusable = std::ranges::find(message.unusable, entry.key, &DbcUnusable::name);
+    if (unusable != message.unusable.end()) {
+        mistakes.push_back({path, unusable_in_dbc("signal", *unusable)});
+        return std::nullopt;
+    }
     if (signal == nullptr) {
         mistakes.push_back({path, "message " + in_quotes(message.name) + " has no signal " +
                                       in_quotes(entry.key) +

@@ -25,7 +25,9 @@ std::string dbc_names(const Rows& rows) {
     return rows.size() > kMostNames ? text + ", ..." : text;
 }
 
-/// Error message for a message name that the file does not have.
+/// Error message for a message or signal (`kind`) that the file describes wrongly.
+std::string unusable_in_dbc(std::string_view kind, const DbcUnusable& part);
+/// Error message for a message name that the file does not have, or describes wrongly.
 std::string no_dbc_message(const DbcFile& file, std::string_view name);
 
 /// A selector, with the values for which a signal is present.

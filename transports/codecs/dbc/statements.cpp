@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -49,7 +50,9 @@ class DbcReader {
         return tokens_.at_end() || tokens_.take_mark(';', "at the end of the statement");
     }
 
-    bool message() { return read_dbc_message(tokens_, statements_.messages); }
+    bool message() { return read_dbc_message(tokens_, statements_); }
+    bool set_aside(std::string_view section);
+    bool message_id(std::uint32_t& id);
     bool reference(DbcReference& reference);
     bool value_kind();
     bool selector();
@@ -61,6 +64,8 @@ class DbcReader {
 
     DbcTokens tokens_;
     DbcStatements statements_;
+    /// The message that the statement is about, once that is known.
+    std::optional<std::uint32_t> about_;
 };
 
 bool DbcReader::section() {
@@ -89,7 +94,25 @@ bool DbcReader::section() {
     const auto* const found =
         std::find_if(kSections.begin(), kSections.end(),
                      [&](const Section& section) { return section.word == word; });
-    return found != kSections.end() ? (this->*found->read)() : skip_statement();
+    if (found == kSections.end()) {
+        return skip_statement();
+    }
+    about_.reset();
+    return (this->*found->read)() || set_aside(word);
+}
+
+/// Goes on behind a mistake if it is known what it falsifies. Texts of values falsify nothing.
+bool DbcReader::set_aside(std::string_view section) {
+    const bool only_texts = section == "VAL_";
+    if (!tokens_.can_go_on() || (!only_texts && !about_)) {
+        return false;
+    }
+    if (only_texts) {
+        statements_.warnings.push_back(tokens_.forgive());
+    } else {
+        statements_.faults.push_back({*about_, tokens_.forgive()});
+    }
+    return skip_statement();
 }
 
 /// Skips up to and including the ';', or up to the next section if there is none.
@@ -135,9 +158,17 @@ bool DbcReader::skip_nodes() {
     return true;
 }
 
+bool DbcReader::message_id(std::uint32_t& id) {
+    if (!tokens_.take_unsigned(id, std::numeric_limits<std::uint32_t>::max(),
+                               "the id of a message")) {
+        return false;
+    }
+    about_ = id;
+    return true;
+}
+
 bool DbcReader::reference(DbcReference& reference) {
-    return tokens_.take_unsigned(reference.message, std::numeric_limits<std::uint32_t>::max(),
-                                 "the id of a message") &&
+    return message_id(reference.message) &&
            tokens_.take_word(reference.signal, "the name of a signal");
 }
 
@@ -262,8 +293,7 @@ bool DbcReader::attribute() {
     tokens_.advance();
     DbcAttributeStatement statement;
     statement.attribute = *attribute;
-    if (!tokens_.take_unsigned(statement.of.message, std::numeric_limits<std::uint32_t>::max(),
-                               "the id of a message") ||
+    if (!message_id(statement.of.message) ||
         (of_signal && !tokens_.take_word(statement.of.signal, "the name of a signal")) ||
         !attribute_value(statement.value)) {
         return false;

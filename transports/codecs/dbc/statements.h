@@ -27,12 +27,24 @@ struct DbcReference {
 struct DbcMessageStatement {
     /// The signals still lack selector, kind and value texts. `selected_by` has the value of mN.
     DbcMessage message;
-    std::uint32_t file_id = 0;
+    /// Nothing if the id cannot be read.
+    std::optional<std::uint32_t> file_id;
     std::string_view name;
     DbcPlace name_place;
     DbcPlace length_place;
     std::vector<std::string_view> signal_names;
     std::vector<DbcPlace> signal_places;
+    /// What makes each signal unusable, if anything does.
+    std::vector<std::optional<DbcMistake>> signal_faults;
+    /// What makes the whole message unusable. It may lack what stands behind the mistake, even its
+    /// id and its name.
+    std::optional<DbcMistake> fault;
+};
+
+/// A mistake in a statement about a message, which makes that unusable.
+struct DbcFaultStatement {
+    std::uint32_t message = 0;
+    DbcMistake mistake;
 };
 
 struct DbcKindStatement {
@@ -89,13 +101,22 @@ struct DbcStatements {
     std::vector<DbcSelectorStatement> selectors;
     std::vector<DbcValueTextStatement> value_texts;
     std::vector<DbcAttributeStatement> attributes;
+    std::vector<DbcFaultStatement> faults;
+    /// Mistakes that falsify nothing.
+    std::vector<DbcMistake> warnings;
+    /// The ids of placeholders for signals that belong to no message.
+    std::vector<std::uint32_t> placeholders;
     std::vector<DbcAttributeDefinition> definitions =
         std::vector<DbcAttributeDefinition>(kDbcAttributes);
 };
 
-/// Returns all statements that are read, or the first syntax error. Pure and reentrant.
+/// Returns all statements that are read, or the first syntax error behind which it cannot go on.
+/// Pure and reentrant.
 tl::expected<DbcStatements, DbcMistake> read_dbc_statements(std::string_view text);
 
+inline DbcMistake dbc_mistake_at(DbcPlace place, std::string text) {
+    return {place.line, place.column, std::move(text)};
+}
 inline tl::unexpected<DbcMistake> dbc_mistake(DbcPlace place, std::string text) {
     return tl::unexpected(DbcMistake{place.line, place.column, std::move(text)});
 }

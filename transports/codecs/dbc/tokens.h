@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "transports/codecs/dbc/file.h"
 #include "transports/codecs/dbc/lexer.h"
@@ -43,6 +44,13 @@ class DbcTokens {
     bool take_limit(double& value, std::string_view what);
     /// Takes an optional '+' or '-'. Returns whether it was '-'.
     bool take_sign();
+
+    /// Whether the reading can go on behind the error: the text does not end within a statement.
+    bool can_go_on() const {
+        return token_.kind != DbcTokenKind::end && token_.kind != DbcTokenKind::unterminated;
+    }
+    /// Returns the error and forgets it. There must be one.
+    DbcMistake forgive() { return *std::exchange(mistake_, std::nullopt); }
 
     /// Keeps the first error. Returns false, so that callers can return it.
     bool fail(DbcPlace place, std::string text);

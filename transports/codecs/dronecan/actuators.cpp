@@ -38,7 +38,7 @@ WantedTransfer wanted_command(CommandKind kind) {
 /// Nothing for positions, forces and speeds, which are no pulses.
 std::optional<Pulse> pulse_of(const ActuatorCommand& command) {
     const double value = command.command_value;
-    if (std::isnan(value)) {
+    if (!std::isfinite(value)) {
         return std::nullopt;
     }
     switch (command.command_type) {

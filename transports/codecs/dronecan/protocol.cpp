@@ -296,6 +296,20 @@ SettingValues dependent_defaults(const SettingValues& settings, SettingScope way
     return defaults;
 }
 
+/// The sender of an RCInput decides how many channels it has.
+std::uint32_t possible_channels(const SettingValues& settings) {
+    return carries_rc(settings) ? kAllChannels : first_channels(command_input(settings).channels);
+}
+
+std::optional<MovingPresets> moves_by_default(const SettingValues& settings) {
+    if (carries_rc(settings) || command_kind(settings) != CommandKind::motors) {
+        return std::nullopt;
+    }
+    const CommandOutputFormat format = command_output(settings);
+    return MovingPresets{first_channels(format.channels),
+                         Pulse::from_microseconds(format.reversible ? 1500 : 1000)};
+}
+
 std::vector<NamedUse> value_names(const SettingValues& settings) {
     const RcOutputFormat format = rc_output(settings);
     const bool named = carries_rc(settings) && format.quality == RcQuality::value;
@@ -332,8 +346,10 @@ const Protocol kDroneCanProtocol{
     .least_period = std::chrono::milliseconds(10),
     .most_period = dronecan::most_period,
     .signals_failsafe = dronecan::carries_rc,
+    .possible_channels = dronecan::possible_channels,
     .check = dronecan::check,
     .dependent_defaults = dronecan::dependent_defaults,
+    .moves_by_default = dronecan::moves_by_default,
     .value_names = dronecan::value_names,
     .make_decoder = dronecan::make_decoder,
     .make_encoder = dronecan::make_encoder,

@@ -37,6 +37,7 @@ const Protocol kGhstProtocol{
     .default_timeout = GhstDecoder::kNoChannelsAfter,
     .signals_failsafe = never_signals_failsafe,
     .sure_channels = always_has_first<ghst_wire::kGhstFineChannels>,
+    .possible_channels = has_at_most_first<ghst_wire::kGhstChannels>,
     .make_decoder = make_ghst_decoder,
     .make_encoder = make_ghst_encoder,
 };

@@ -36,7 +36,9 @@ std::string refusal(const std::string& device) {
 /// A device may have several names, such as those in /dev/serial/by-id.
 bool is_same(const std::string& a, const std::string& b) {
     std::error_code missing;
-    return std::filesystem::equivalent(a, b, missing);
+    return std::filesystem::path(a).lexically_normal() ==
+               std::filesystem::path(b).lexically_normal() ||
+           std::filesystem::equivalent(a, b, missing);
 }
 
 }  // namespace
@@ -46,6 +48,7 @@ const Medium kSerialMedium{
     .shape = WireShape::bytes,
     .place = kDeviceSetting,
     .place_absent = "required on a serial line",
+    .place_is_path = true,
     .has_line = true,
     .users = Users::one_each_way,
     .silence = {.nothing = "no byte yet; check wire, ground and power of the receiver",

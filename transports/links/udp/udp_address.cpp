@@ -58,6 +58,15 @@ std::optional<UdpAddress> version_6(const std::string& host, std::uint16_t port)
                   std::memcmp(&address.sin6_addr, &in6addr_loopback, sizeof in6addr_loopback) == 0);
 }
 
+bool is_for_all(const UdpAddress& address) {
+    if (address.storage.ss_family == AF_INET) {
+        return reinterpret_cast<const sockaddr_in*>(&address.storage)->sin_addr.s_addr ==
+               htonl(INADDR_ANY);
+    }
+    return IN6_IS_ADDR_UNSPECIFIED(
+        &reinterpret_cast<const sockaddr_in6*>(&address.storage)->sin6_addr);
+}
+
 }  // namespace
 
 tl::expected<UdpAddress, std::string> parse_udp_address(const std::string& text) {
@@ -96,6 +105,19 @@ bool is_same_host(const UdpAddress& one, const UdpAddress& other) {
     return std::memcmp(&reinterpret_cast<const sockaddr_in6*>(&one.storage)->sin6_addr,
                        &reinterpret_cast<const sockaddr_in6*>(&other.storage)->sin6_addr,
                        sizeof(in6_addr)) == 0;
+}
+
+bool is_delivered(const UdpAddress& to, const UdpAddress& at) {
+    // The port has the same place in both versions.
+    const auto port = [](const UdpAddress& address) {
+        return reinterpret_cast<const sockaddr_in*>(&address.storage)->sin_port;
+    };
+    // A socket for all addresses of version 6 hears version 4 too.
+    const bool heard = to.storage.ss_family == at.storage.ss_family ||
+                       (at.storage.ss_family == AF_INET6 && is_for_all(at));
+    const bool here = to.loopback || is_for_all(to);
+    return heard && port(to) == port(at) &&
+           (is_same_host(to, at) || (here && is_for_all(at)) || (is_for_all(to) && at.loopback));
 }
 
 }  // namespace tribus

@@ -25,4 +25,10 @@ tl::expected<UdpAddress, std::string> parse_udp_address(const std::string& text)
 /// Whether the IP addresses are the same, whatever the ports. Pure.
 bool is_same_host(const UdpAddress& one, const UdpAddress& other);
 
+/// Whether datagrams that this machine sends to `to` come to a socket of this machine at `at`: the
+/// same port, and the same address or `at` for all addresses. An address of another machine may
+/// only look so if `at` is for all addresses and `to` is neither that nor a loopback address; then
+/// false. Pure.
+bool is_delivered(const UdpAddress& to, const UdpAddress& at);
+
 }  // namespace tribus

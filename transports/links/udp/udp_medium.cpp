@@ -59,6 +59,12 @@ std::vector<SettingMistake> check(const std::string& place, const SettingValues&
     return {};
 }
 
+bool reaches(const std::string& sent_to, const std::string& heard_at) {
+    const auto to = parse_udp_address(sent_to);
+    const auto at = parse_udp_address(heard_at);
+    return to && at && is_delivered(*to, *at);
+}
+
 }  // namespace
 
 const Medium kUdpMedium{
@@ -80,6 +86,7 @@ const Medium kUdpMedium{
                             "sends whole frames in a datagram",
                 .counts = "byte"},
     .is_missing = UdpLink::is_missing,
+    .reaches = reaches,
     .open =
         [](const std::string& address, const LinkUse& use) {
             return as_link(

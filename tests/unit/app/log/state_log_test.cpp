@@ -4,7 +4,9 @@
 
 #include <array>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -303,6 +305,36 @@ TEST_F(StateLogOverAReload, CountsTheSilenceOfASensorBusFromItsStart) {
     EXPECT_NE(said_at(Instant(3s), kTelemetry), "");
     reload(Instant(4s));
     EXPECT_EQ(said_at(Instant(8s), kTelemetry), "") << "it has been said";
+}
+
+/// As at the start, where such a configuration is refused with the same words.
+TEST(StateLogOfADevice, SaysOnceThatItCameUnderASecondName) {
+    const LogInMemory logged("%v");
+    const TemporaryFolder folder;
+    const FarEnd receiver(folder / "receiver");
+    const std::string servos = folder / "servos";
+    auto appliance = Appliance::start(
+        load_configuration("[input.receiver]\nprotocol = \"sbus\"\ndevice = \"" + receiver.path() +
+                               "\"\n[output.servos]\nprotocol = \"ibus\"\ndevice = \"" + servos +
+                               "\"\n[pipeline.main]\nfrom = \"receiver\"\nto = \"servos\"\n"
+                               "[runtime]\nrealtime = \"off\"\n",
+                           "test.toml")
+            .value(),
+        Appliance::MissingDevices::wait_for_absent);
+    ASSERT_TRUE(appliance) << appliance.error().front();
+    StateLog log(**appliance, Instant(0s));
+    log.look(**appliance, Instant(1s));
+    EXPECT_EQ(logged.text().find("under another name"), std::string::npos);
+    std::filesystem::create_symlink(receiver.path(), servos);
+    for (const auto second : {2s, 3s, 4s, 5s}) {
+        log.look(**appliance, Instant(second));
+    }
+    const std::string expected = "test.toml:6:10: " + servos +
+                                 ": another program uses it, or this one opened it under another "
+                                 "name; ";
+    const std::size_t first = logged.text().find(expected);
+    ASSERT_NE(first, std::string::npos) << logged.text();
+    EXPECT_EQ(logged.text().find(expected, first + 1), std::string::npos) << logged.text();
 }
 
 }  // namespace

@@ -37,6 +37,10 @@ BO_ 257 Heartbeat: 1 A
  SG_ State : 0|8@1+ (1,0) [0|255] "" B
 BO_ 512 Battery: 2 A
  SG_ Voltage : 0|16@1+ (0.001,0) [0|60] "V" B
+BO_ 2566772478 Joystick: 8 A
+ SG_ X : 0|8@1+ (1,0) [0|250] "" B
+BA_DEF_ BO_ "VFrameFormat" ENUM "StandardCAN","ExtendedCAN","reserved","J1939PG";
+BA_ "VFrameFormat" BO_ 2566772478 3;
 )";
 
 constexpr std::string_view kTwoInputs = R"([input.main]
@@ -202,6 +206,8 @@ std::map<std::string, std::string> special_contexts() {
         {"output-phase", output("protocol = \"sbus\"\ndevice = \"/dev/ttyB\"\n"
                                 "schedule = \"grid\"\n")},
         {"output-foreign_sender", on_can},
+        {"dbc-own_address", output("protocol = \"dbc\"\ninterface = \"can0\"\ndbc = \"rover.dbc\"\n"
+                                   "signals = { Joystick = { X = 1 } }\n")},
         {"dronecan-from_node", on_dronecan("input.receiver", "")},
         {"dronecan-first", on_dronecan("output.servos", "node_id = 42\ncarries = \"servos\"\n")},
         {"dronecan-scale", on_dronecan("input.receiver", "")},

@@ -67,5 +67,39 @@ TEST(MissingChannels, of_frames_without_any_are_never_meant) {
     EXPECT_FALSE(lost.supervisor().alive(at(5s)));
 }
 
+/// A DBC signal with `optional = true` whose sender has no value for a while.
+TEST(MissingChannels, that_are_optional_are_no_loss_however_they_come_and_go) {
+    constexpr SupervisionSettings kOptionalEighth{.fewer_channels_after = 500ms,
+                                                  .optional_channels = 1U << 7U};
+    for (const Duration each : {100ms, 200ms, 500ms, 1000ms, 2000ms}) {
+        Link link(kOptionalEighth);
+        for (Duration time = each; time < 20s; time += each) {
+            const bool absent = time / each % 2 == 0;
+            link.frames(time, [absent](std::int64_t) {
+                ChannelFrame frame = sticks();
+                if (absent) {
+                    frame.remove(7);
+                }
+                return frame;
+            });
+            ASSERT_EQ(link.cause(time), LinkCause::good) << time.count();
+            EXPECT_EQ(link.supervisor().run_start(), at(0ms));
+            EXPECT_EQ(link.supervisor().control().has(7), !absent);
+        }
+    }
+}
+
+TEST(MissingChannels, that_are_not_optional_are_a_loss_beside_those_that_are) {
+    Link link({.fewer_channels_after = 500ms, .optional_channels = 1U << 7U});
+    link.moving(70ms).frames(490ms, [](std::int64_t n) {
+        ChannelFrame frame = only_the_first(15);
+        if (n % 2 == 0) {
+            frame.remove(7);
+        }
+        return frame;
+    });
+    EXPECT_EQ(link.cause(490ms), LinkCause::channels_missing);
+}
+
 }  // namespace
 }  // namespace tribus::test::link::missing_channels_test

@@ -338,5 +338,49 @@ TEST(DbcEncoder, WhatBecomesFrameLostIsToldBeforeTheCycleEnds) {
     EXPECT_EQ(frames_of(encoder, snapshot, at(40)).size(), 1U);
 }
 
+// CANopen: SYNC is id 0x80 without data; a node with a counter sends 1 to 240 in one byte.
+constexpr std::string_view kSync = R"(BO_ 128 SYNC: 0 A
+BO_ 129 Counted: 1 A
+ SG_ Cnt : 0|8@1+ (1,0) [0|240] "" B
+)";
+
+TEST(DbcEncoder, SendsAMessageWithoutData) {
+    DbcEncoder encoder(sent_map(kSync, R"({"SYNC": {}})", R"({"SYNC": "10ms"})"));
+    int frames = 0;
+    for (int time = 0; time < 100; time += 10) {
+        const CanFrames sync = frames_of(encoder, channels({}), at(time));
+        ASSERT_EQ(sync.size(), 1U) << time;
+        EXPECT_EQ(sync[0].id, 128U);
+        EXPECT_EQ(sync[0].length, 0);
+        ++frames;
+    }
+    EXPECT_EQ(frames, 10);
+    EXPECT_TRUE(encoder.needed_channels(channels({})) == 0U);
+}
+
+TEST(DbcEncoder, SendsAMessageThatOnlyCounts) {
+    DbcEncoder encoder(sent_map(kSync, R"({"Counted": {"Cnt": {"counter": true, "most": 2}}})"));
+    std::vector<Bytes> sent;
+    for (int time = 0; time < 80; time += 20) {
+        sent.push_back(bytes_of(frames_of(encoder, failsafe(channels({})), at(time)).at(0)));
+    }
+    EXPECT_EQ(sent, (std::vector<Bytes>{{0}, {1}, {2}, {0}}));
+}
+
+TEST(DbcEncoder, MarksHeldValuesOnlyIfEachMessageWithChannelsDoes) {
+    constexpr std::string_view kTwo = R"(BO_ 1 M: 2 A
+ SG_ X : 0|8@1+ (1,0) [0|100] "" B
+ SG_ Lost : 8|1@1+ (1,0) [0|1] "" B
+BO_ 2 N: 1 A
+ SG_ Y : 0|8@1+ (1,0) [0|100] "" B
+)";
+    const std::string marked = R"("M": {"X": 1, "Lost": {"flag": "frame_lost"}})";
+    EXPECT_TRUE(DbcEncoder(sent_map(kTwo, "{" + marked + "}")).marks_frame_lost());
+    EXPECT_TRUE(DbcEncoder(sent_map(kTwo, "{" + marked + R"(, "N": {"Y": {"fixed": 1}}})"))
+                    .marks_frame_lost());
+    EXPECT_FALSE(
+        DbcEncoder(sent_map(kTwo, "{" + marked + R"(, "N": {"Y": 2}})")).marks_frame_lost());
+}
+
 }  // namespace
 }  // namespace tribus::encoder_test

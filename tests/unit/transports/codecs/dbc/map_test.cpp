@@ -144,7 +144,11 @@ TEST(DbcMap, AJ1939IdMatchesAnyPriorityAndWithAddressFEAnySource) {
 TEST(DbcMap, ReportsAMistakeOfTheFileWithItsPlace) {
     const Lines found = mistakes_in("BO_ 1 M: 8 A\n SG_ S : 60|8@1+ (1,0) [0|0] \"\" B",
                                     R"({"M": {"S": 1}})", SettingScope::input);
-    EXPECT_EQ(found.at(0).substr(0, 15), "dbc: bus.dbc:2:");
+    EXPECT_EQ(found,
+              Lines{"signals.M.S: signal \"S\" cannot be used because of a mistake in line 2, "
+                    "column 6 of the DBC file: signal S needs 9 bytes, but message M has 8"});
+    EXPECT_EQ(mistakes_in("BO_ 1 M: 8 A\nCM_ \"", R"({"M": {"S": 1}})").at(0),
+              "dbc: bus.dbc:2:5: text without its closing quote");
 }
 
 TEST(DbcMap, TellsAllMistakesAtOnce) {
@@ -203,12 +207,15 @@ INSTANTIATE_TEST_SUITE_P(
               "signals.Wide: no signal of the message has a role; allowed: at least one, such as "
               "SIGNAL = 1 or SIGNAL = { fixed = 5 }"},
         Wrong{"{}", "signals" + kNoChannel},
-        Wrong{R"({"Command": {"Mode": {"fixed": 1}}})", "signals" + kNoChannel},
+        Wrong{R"({"Command": {"Mode": {"fixed": 1}}})",
+              "signals: no signal carries a channel; allowed: at least one, such as SIGNAL = 1 "
+              "below the name of its message",
+              SettingScope::input},
         Wrong{R"({"Long": {"L": 1}})",
               "signals.Long: the message is longer than a frame; allowed: messages of one frame"},
         Wrong{R"({"Joystick": {"X": 1}})",
               "signals.Joystick: the id of the message has the source address 0xFE, from which no "
-              "node may send; allowed: the address of this node in the id of the DBC file"},
+              "node may send; add own_address = 0 to 253, the address of this node, to the output"},
         Wrong{R"({"Joystick": {"X": 1}, "OneJoystick": {"X1": 2}})",
               "signals.OneJoystick: a frame of this message may also be one of \"Joystick\", as "
               "their ids differ in the priority only, or one of them comes from any source (0xFE); "
@@ -220,7 +227,15 @@ INSTANTIATE_TEST_SUITE_P(
               SettingScope::input},
         Wrong{R"({"Command": {"Pulse": 1, "Short": {"fixed": 0}}})",
               "signals.Command.Short" + kOverlap},
-        Wrong{R"({"Paged": {"First": 1, "Page": {"fixed": 0}}})", "signals.Paged.Page" + kOverlap},
+        Wrong{R"({"Paged": {"First": 1, "Page": {"fixed": 1}}})",
+              "signals.Paged.Page: \"Page\" is fixed to the page 1, but \"First\" is on another "
+              "one; allowed: the signals of one page, or leave \"Page\" out: then each page is "
+              "sent in turn"},
+        Wrong{R"({"Paged": {"First": 1, "Second": 2, "Page": {"fixed": 1}}})",
+              "signals.Paged.Page: \"Page\" is fixed to the page 1, but \"First\" is on another "
+              "one; allowed: the signals of one page, or leave \"Page\" out: then each page is "
+              "read",
+              SettingScope::input},
         Wrong{R"({"Command": {"Magnitude": {"channel": 1, "negative": "Minus"},
                               "Minus": {"fixed": 0}}})",
               "signals.Command.Minus" + kOverlap},
@@ -360,6 +375,78 @@ TEST(DbcMap, SaysThatAFileHasNoMessageAtAll) {
     EXPECT_EQ(mistakes_in("VERSION \"\"\n", R"({"M": {"S": 1}})"),
               Lines{"signals.M: the DBC file has no message \"M\"; it has no messages: no line "
                     "begins with BO_"});
+}
+
+TEST(DbcMap, AFixedSelectorSaysWhichPageIsSent) {
+    const DbcMap map = map_of(R"({"Paged": {"Page": {"fixed": 1}, "Second": 2}})");
+    ASSERT_EQ(map.parts.size(), 1U);
+    EXPECT_TRUE(map.parts[0].fixed.empty());
+    EXPECT_EQ(map.parts[0].selectors.at(0).sent, 1U);
+    EXPECT_EQ(map.parts[0].channels.at(0).signal, "Second");
+}
+
+TEST(DbcMap, AFixedSelectorChoosesOneOfSeveralPagesOfASignal) {
+    constexpr std::string_view kRange = R"(BO_ 1 M: 3 A
+ SG_ Page M : 0|8@1+ (1,0) [0|0] "" B
+ SG_ X m1 : 8|8@1+ (1,0) [0|100] "" B
+SG_MUL_VAL_ 1 X Page 1-3;
+)";
+    for (const SettingScope scope : {SettingScope::input, SettingScope::output}) {
+        const DbcMap map =
+            dbc_map(dbc_settings(kRange, R"({"M": {"Page": {"fixed": 2}, "X": 1}})"), scope);
+        const DbcSelector& selector = map.parts.at(0).selectors.at(0);
+        EXPECT_EQ(selector.sent, 2U);
+        EXPECT_EQ(selector.selected_by, (std::vector<DbcSelectorRange>{{2, 2}}));
+    }
+}
+
+TEST(DbcMap, AFixedSelectorSaysWhichPageIsReadAndOthersAreNoFault) {
+    const DbcMap map =
+        map_of(R"({"Paged": {"Page": {"fixed": 1}, "Second": 2}})", SettingScope::input);
+    ASSERT_EQ(map.parts.size(), 1U);
+    EXPECT_TRUE(map.parts[0].fixed.empty());
+    EXPECT_EQ(map.parts[0].selectors.at(0).selected_by, (std::vector<DbcSelectorRange>{{1, 1}}));
+}
+
+SettingValues with_own_address(std::string_view signals, std::int64_t address) {
+    SettingValues settings = dbc_settings(kBus, signals);
+    settings.set("own_address", address);
+    return settings;
+}
+
+TEST(DbcMap, TheOwnAddressFillsIdsThatTheFileLeavesOpen) {
+    // 0x0CFDD6FE (2365512958 without bit 31 is 0x0CFF14FE): the last byte becomes 0x33.
+    const DbcMap map =
+        dbc_map(with_own_address(R"({"Joystick": {"X": 1}})", 0x33), SettingScope::output);
+    const std::uint32_t in_file = 2365512958U & 0x1FFFFFFFU;
+    EXPECT_EQ(in_file & 0xFFU, 0xFEU);
+    EXPECT_EQ(map.messages.at(0).sent_id, (in_file & ~0xFFU) | 0x33U);
+    EXPECT_TRUE(map.messages[0].id.matches({.id = map.messages[0].sent_id, .extended = true}));
+    EXPECT_FALSE(map.messages[0].id.matches({.id = in_file, .extended = true}));
+}
+
+TEST(DbcMap, TheOwnAddressLeavesOtherIdsAsTheyAre) {
+    const DbcMap map =
+        dbc_map(with_own_address(R"({"Joystick": {"X": 1}, "Command": {"Speed": 2}})", 0x33),
+                SettingScope::output);
+    EXPECT_EQ(map.messages.at(1).sent_id, 304U);
+}
+
+TEST(DbcMap, AnOwnAddressThatNoIdNeedsIsAMistake) {
+    const auto map =
+        build_dbc_map(with_own_address(R"({"Command": {"Speed": 2}})", 0x33), SettingScope::output);
+    ASSERT_FALSE(map);
+    EXPECT_EQ(told(map.error()),
+              Lines{"own_address: it is for ids of J1939 that the file leaves at 0xFE, but no "
+                    "mapped message has one; leave it out"});
+}
+
+TEST(DbcMap, TellsWhichOfItsMessagesCannotSayFailsafe) {
+    const DbcMap map =
+        map_of(R"({"Command": {"Speed": 1, "Minus": {"flag": "failsafe"}}, "Wide": {"Value": 2}})");
+    EXPECT_TRUE(map.signals_failsafe());
+    EXPECT_TRUE(map.signals_failsafe(0));
+    EXPECT_FALSE(map.signals_failsafe(1));
 }
 
 }  // namespace

@@ -5,16 +5,19 @@
 
 #include "transports/codecs/dbc/file.h"
 
-/// Mistakes in a DBC text, and the message for the person who must correct it.
+/// Mistakes in a DBC text, and the message for the person who must correct it. Whether the file is
+/// refused or only a part of it, broken_parts_test.cpp tells.
 namespace tribus::mistake_test {
 namespace {
 
 /// Returns "line:column: text", or "" if there is no mistake.
 std::string mistake_in(std::string_view text) {
     const auto file = parse_dbc(text);
-    return file ? ""
-                : std::to_string(file.error().line) + ":" + std::to_string(file.error().column) +
-                      ": " + file.error().text;
+    if (file && file->warnings.empty()) {
+        return "";
+    }
+    const DbcMistake& first = file ? file->warnings.front() : file.error();
+    return std::to_string(first.line) + ":" + std::to_string(first.column) + ": " + first.text;
 }
 
 /// Returns the mistake in the first signal of a message of eight bytes. The line is 2, S is in

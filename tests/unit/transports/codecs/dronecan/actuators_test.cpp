@@ -95,21 +95,21 @@ TEST(ServoCommands, OfPositionForceOrSpeedMoveNothing) {
     }
 }
 
+/// Infinity is no value in DBC signals either.
 TEST(ServoCommands, ThatAreNoNumberMoveNothing) {
-    CommandDecoder decoder({});
-    EXPECT_FALSE(decoded(
-        decoder,
-        frames_of_message(commands_of({unitless(1, std::numeric_limits<float>::quiet_NaN())}),
-                          kAutopilot, 0)));
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    for (const float none : {std::numeric_limits<float>::quiet_NaN(), kInfinity, -kInfinity}) {
+        CommandDecoder decoder({});
+        EXPECT_FALSE(
+            decoded(decoder, frames_of_message(commands_of({unitless(1, none)}), kAutopilot, 0)))
+            << none;
+    }
 }
 
 TEST(ServoCommands, BeyondTheirRangeStopAtItsEnds) {
     CommandDecoder decoder({});
     const auto snapshot = decoded(
-        decoder,
-        frames_of_message(
-            commands_of({unitless(1, 7), unitless(2, -std::numeric_limits<float>::infinity())}),
-            kAutopilot, 0));
+        decoder, frames_of_message(commands_of({unitless(1, 7), unitless(2, -7)}), kAutopilot, 0));
     ASSERT_TRUE(snapshot);
     EXPECT_EQ(snapshot->channel(0), Pulse::from_microseconds(2000));
     EXPECT_EQ(snapshot->channel(1), Pulse::from_microseconds(1000));

@@ -1,0 +1,96 @@
+#include "config/check/ports.h"
+
+#include <cstddef>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/quotes.h"
+
+namespace tribus {
+namespace {
+
+struct NamedPort {
+    std::string_view direction;
+    std::string_view name;
+    const PortConfig* port = nullptr;
+
+    bool sends() const { return direction == "output"; }
+};
+
+std::vector<NamedPort> ports_of(const Draft& draft) {
+    std::vector<NamedPort> ports;
+    for (const InputDraft& input : draft.inputs) {
+        if (input.port_sound) {
+            ports.push_back({"input", input.config.name, &input.config.port});
+        }
+    }
+    for (const OutputDraft& output : draft.outputs) {
+        if (output.port_sound) {
+            ports.push_back({"output", output.config.name, &output.config.port});
+        }
+    }
+    for (const SensorBusDraft& bus : draft.sensor_buses) {
+        if (bus.port_sound) {
+            ports.push_back({"sensor_bus", bus.config.name, &bus.config.port});
+        }
+    }
+    for (const ValuesDraft& values : draft.values) {
+        const auto* message = std::get_if<ValueMessageConfig>(&values.config.source);
+        if (message != nullptr && values.sound) {
+            ports.push_back({"values", values.config.name, &message->port});
+        }
+    }
+    return ports;
+}
+
+void doubt_two_names(const NamedPort& earlier, const NamedPort& later, Mistakes& warnings) {
+    const Medium& medium = *later.port->medium;
+    if (medium.users == Users::many || medium.is_same == nullptr ||
+        !medium.is_same(earlier.port->device, later.port->device)) {
+        return;
+    }
+    warnings.add(
+        later.port->where,
+        fmt::format("{} {} is the port that [{}.{}] in line {} names {}, and only one of "
+                    "the two can open it; give both the same name",
+                    medium.place.key, in_quotes(later.port->device), earlier.direction,
+                    earlier.name, earlier.port->where.line, in_quotes(earlier.port->device)));
+}
+
+void doubt_loop(const NamedPort& sender, const NamedPort& hearer, Mistakes& warnings) {
+    const Medium& medium = *sender.port->medium;
+    if (!sender.sends() || hearer.sends() || medium.reaches == nullptr ||
+        !medium.reaches(sender.port->device, hearer.port->device)) {
+        return;
+    }
+    warnings.add(hearer.port->where,
+                 fmt::format("[{}.{}] hears at {} what [output.{}] in line {} sends to {}, so this "
+                             "program would follow itself; give them different ports",
+                             hearer.direction, hearer.name, in_quotes(hearer.port->device),
+                             sender.name, sender.port->where.line, in_quotes(sender.port->device)));
+}
+
+}  // namespace
+
+void doubt_ports(const Draft& draft, Mistakes& warnings) {
+    const auto ports = ports_of(draft);
+    for (std::size_t i = 0; i < ports.size(); ++i) {
+        for (std::size_t j = i + 1; j < ports.size(); ++j) {
+            const PortConfig& one = *ports[i].port;
+            const PortConfig& other = *ports[j].port;
+            if (one.medium != other.medium || one.device == other.device) {
+                continue;
+            }
+            const bool in_order = one.where.line <= other.where.line;
+            doubt_two_names(ports[in_order ? i : j], ports[in_order ? j : i], warnings);
+            doubt_loop(ports[i], ports[j], warnings);
+            doubt_loop(ports[j], ports[i], warnings);
+        }
+    }
+}
+
+}  // namespace tribus
