@@ -47,6 +47,16 @@ std::vector<NamedPort> ports_of(const Draft& draft) {
     return ports;
 }
 
+void doubt_path(const PortConfig& port, Mistakes& warnings) {
+    if (port.medium->place_is_path && !port.device.starts_with('/')) {
+        warnings.add(port.where,
+                     fmt::format("{} is {}, which counts from the folder in which the program is "
+                                 "started; write the whole path, such as {}",
+                                 in_quotes(port.medium->place.key), in_quotes(port.device),
+                                 in_quotes("/dev/" + port.device)));
+    }
+}
+
 void doubt_two_names(const NamedPort& earlier, const NamedPort& later, Mistakes& warnings) {
     const Medium& medium = *later.port->medium;
     if (medium.users == Users::many || medium.is_same == nullptr ||
@@ -79,6 +89,7 @@ void doubt_loop(const NamedPort& sender, const NamedPort& hearer, Mistakes& warn
 void doubt_ports(const Draft& draft, Mistakes& warnings) {
     const auto ports = ports_of(draft);
     for (std::size_t i = 0; i < ports.size(); ++i) {
+        doubt_path(*ports[i].port, warnings);
         for (std::size_t j = i + 1; j < ports.size(); ++j) {
             const PortConfig& one = *ports[i].port;
             const PortConfig& other = *ports[j].port;

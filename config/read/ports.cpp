@@ -208,17 +208,6 @@ bool port_sound(const PortConfig& port, KeyUse key, SettingScope scope, const Ta
            content.sound("protocol") && check_by_medium(port, key, scope, content, mistakes);
 }
 
-void doubt_place(const PortConfig& port, bool sound, Mistakes& warnings) {
-    const bool is_path = sound && port.medium->place_is_path;
-    if (is_path && !port.device.starts_with('/')) {
-        warnings.add(port.where,
-                     fmt::format("{} is {}, which counts from the folder in which the program is "
-                                 "started; write the whole path, such as {}",
-                                 in_quotes(port.medium->place.key), in_quotes(port.device),
-                                 in_quotes("/dev/" + port.device)));
-    }
-}
-
 /// `most`: upper limit of the protocol with its settings, if they are valid.
 void check_period(const OutputConfig& output, std::optional<Duration> most,
                   const TableContent& content, Mistakes& mistakes) {
@@ -311,7 +300,6 @@ void read_port(const Entry& entry, const PortKeys& port, SettingScope scope,
     draft.config.port = port_config(port, content);
     draft.port_sound =
         port_sound(draft.config.port, meant_key_use(port, draft), scope, content, reading.mistakes);
-    doubt_place(draft.config.port, draft.port_sound, reading.warnings);
 }
 
 void read_values_used(const Protocol& protocol, const TableContent& content, OutputDraft& draft) {

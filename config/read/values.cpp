@@ -16,6 +16,7 @@
 #include "config/schema/value_catalog.h"
 #include "core/quotes.h"
 #include "transports/codecs/dbc/map.h"
+#include "transports/codecs/dbc/signal_map.h"
 #include "transports/codecs/dbc/value_reader.h"
 #include "transports/codecs/dronecan/value_reader.h"
 #include "transports/links/can/can_medium.h"
@@ -187,6 +188,17 @@ std::string_view message_name(const ValueMessageConfig& config) {
     return std::visit(SourceName{}, config.layout);
 }
 
+/// Why a signal that the DBC file has cannot be read; else empty.
+std::string why_unusable(const ValueMessageConfig& config, std::string_view signal) {
+    const auto* source = std::get_if<DbcValueSource>(&config.layout);
+    if (source == nullptr || source->described.messages.empty()) {
+        return {};
+    }
+    const auto& unusable = source->described.messages.front().unusable;
+    const auto found = std::ranges::find(unusable, signal, &DbcUnusable::name);
+    return found == unusable.end() ? std::string() : unusable_in_dbc("signal", *found);
+}
+
 std::vector<std::pair<std::string, std::string>> read_own_names(const TableContent& content,
                                                                 const ValueMessageConfig& config,
                                                                 Mistakes& mistakes) {
@@ -202,7 +214,9 @@ std::vector<std::pair<std::string, std::string>> read_own_names(const TableConte
     }
     const std::string_view message = message_name(config);
     for (const NamedText& named : read_texts(*signals, "the name of a signal", mistakes)) {
-        if (std::ranges::find(known, named.text) == known.end()) {
+        if (const auto why = why_unusable(config, named.text); !why.empty()) {
+            mistakes.add(named.entry->value.where, why);
+        } else if (std::ranges::find(known, named.text) == known.end()) {
             mistakes.add(named.entry->value.where,
                          fmt::format("message {} has no signal {}; {}", message,
                                      in_quotes(named.text), suggestion(named.text, known)));

@@ -50,6 +50,7 @@ const Protocol kDsmProtocol{
     .default_period = std::chrono::milliseconds(11),
     .default_timeout = DsmDecoder::kSilence,
     .signals_failsafe = never_signals_failsafe,
+    .possible_channels = has_at_most_first<kDsmChannels>,
     .make_decoder = make_dsm_decoder,
 };
 

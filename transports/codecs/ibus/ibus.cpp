@@ -130,9 +130,17 @@ constexpr std::array kIbusSettings{
 
 constexpr std::array kIbusBeginnings{FrameBeginning{0x20, 0x40}};
 
+bool is_plain(const SettingValues& settings) {
+    return settings.get_or<std::string>("slots", "nibbles") == "plain";
+}
+
+std::uint32_t possible_ibus_channels(const SettingValues& settings) {
+    return is_plain(settings) ? first_channels(kSlotCount) : kAllChannels;
+}
+
 AnyDecoder make_ibus_decoder(const SettingValues& settings) {
-    const bool plain = settings.get_or<std::string>("slots", "nibbles") == "plain";
-    return std::make_unique<IbusDecoder>(plain ? IbusSlots::plain : IbusSlots::nibbles);
+    return std::make_unique<IbusDecoder>(is_plain(settings) ? IbusSlots::plain
+                                                            : IbusSlots::nibbles);
 }
 
 AnyEncoder make_ibus_encoder(const SettingValues& settings) {
@@ -156,6 +164,7 @@ const Protocol kIbusProtocol{
     .least_period = std::chrono::milliseconds(4),
     .signals_failsafe = never_signals_failsafe,
     .sure_channels = always_has_first<kSlotCount>,
+    .possible_channels = possible_ibus_channels,
     .make_decoder = make_ibus_decoder,
     .make_encoder = make_ibus_encoder,
 };

@@ -107,6 +107,14 @@ constexpr Spoilt kPlaces[]{
 };
 INSTANTIATE_TEST_SUITE_P(Places, Doubtful, ::testing::ValuesIn(kPlaces), name_of);
 
+TEST(Warnings, AreAboutTheChannelsThatTheSettingsLeaveOut) {
+    const std::string rule = "failsafe_when = [{ channel = 15, below = 950 }]";
+    EXPECT_EQ(warnings_in(main_job_with(3, "device = \"/dev/ttyA\"\nslots = \"plain\"\n" + rule)),
+              Lines{"t.toml:5:18: this rule of \"failsafe_when\": the input has no channel 15, so "
+                    "the rule never says anything; give a channel that it has"});
+    EXPECT_EQ(warnings_in(main_job_with(3, "device = \"/dev/ttyA\"\n" + rule)), Lines{});
+}
+
 TEST(Warnings, AreNoneOfAnUsualConfiguration) {
     EXPECT_EQ(warnings_in(main_job_with(
                   10,
