@@ -204,6 +204,17 @@ TEST_F(DbcWarnings, NameTheMessageThatCannotSayFailsafeAndBrokenOnes) {
                      "\"not_available\" to each of its channels"}));
 }
 
+TEST_F(DbcWarnings, AreAboutRulesOfChannelsThatNoSignalCarries) {
+    EXPECT_EQ(warnings("[input.bus]\nprotocol = \"dbc\"\ninterface = \"can0\"\ndbc = \"bus.dbc\"\n"
+                       "signals.M = { X = 1 }\n"
+                       "failsafe_when = [{ channel = 2, below = 900 }]\n"
+                       "[output.servos]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyA\"\n"
+                       "[pipeline.main]\nfrom = \"bus\"\nto = \"servos\"\n"),
+              (Lines{"t.toml:4:7: " + kBadFile,
+                     "t.toml:6:18: this rule of \"failsafe_when\": the input has no channel 2, so "
+                     "the rule never says anything; give a channel that it has"}));
+}
+
 TEST_F(DbcWarnings, AreAboutValuesThatAnOwnOutputSends) {
     EXPECT_EQ(warnings("[input.rx]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyA\"\n"
                        "[output.bus]\nprotocol = \"dbc\"\ninterface = \"can0\"\ndbc = \"bus.dbc\"\n"
