@@ -137,10 +137,12 @@ std::string implausible_text(const ImplausibleFrames& implausible) {
                        implausible.plausible->high.microseconds());
 }
 
-std::string cause_text(const LinkState& state, const ImplausibleFrames& implausible) {
+std::string cause_text(const LinkState& state, const ImplausibleFrames& implausible,
+                       std::string_view fault) {
     const bool named = state.cause == LinkCause::implausible && implausible.frames > 0;
-    const std::string shown =
-        named ? implausible_text(implausible) : std::string(how_it_shows(state));
+    const std::string shown = named           ? implausible_text(implausible)
+                              : fault.empty() ? std::string(how_it_shows(state))
+                                              : std::string(fault);
     return shown.empty() ? std::string(name_of(state.cause))
                          : fmt::format("{} ({})", name_of(state.cause), shown);
 }

@@ -11,8 +11,10 @@
 namespace tribus {
 
 /// For the log and reports: the cause and its sign, such as "radio lost (the receiver says
-/// failsafe)". `implausible`: frames of the input, named if they are the cause.
-std::string cause_text(const LinkState& state, const ImplausibleFrames& implausible = {});
+/// failsafe)". `implausible`: frames of the input, named if they are the cause. `fault`: what its
+/// decoder says of frames that do not count, in place of the sign.
+std::string cause_text(const LinkState& state, const ImplausibleFrames& implausible = {},
+                       std::string_view fault = {});
 /// A value of an implausible frame: "channel 5 is at 2158 us, plausible are 900 to 2100 us".
 std::string implausible_text(const ImplausibleFrames& implausible);
 

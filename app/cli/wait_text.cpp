@@ -84,7 +84,8 @@ std::string_view obstacle_words(SendObstacle obstacle) {
 std::string lack_text(const OutputWait& wait) {
     switch (wait.awaited) {
         case Awaited::link:
-            return cause_text(wait.link, wait.implausible.value_or(ImplausibleFrames{}));
+            return cause_text(wait.link, wait.implausible.value_or(ImplausibleFrames{}),
+                              wait.fault.view());
         case Awaited::good_frame:
             return fmt::format("a good frame, the latest is {} old of at most {}",
                                milliseconds(wait.so_far), milliseconds(wait.needed)) +

@@ -159,9 +159,9 @@ void ServiceNotify::tell_status(const Appliance& appliance, Instant now) {
         return;
     }
     next_status_ = now + kPeriod;
-    std::vector<LinkState> inputs;
+    std::vector<InputStatus> inputs;
     for (std::size_t i = 0; i < appliance.configuration().inputs.size(); ++i) {
-        inputs.push_back(appliance.input_status(i).state);
+        inputs.push_back(appliance.input_status(i));
     }
     std::vector<OutputStatus> outputs;
     for (std::size_t i = 0; i < appliance.configuration().outputs.size(); ++i) {

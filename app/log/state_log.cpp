@@ -97,7 +97,8 @@ void StateLog::look_at_input(const std::string& name, const InputStatus& status,
     const LogFields fields({"TRIBUS_INPUT", name}, {"TRIBUS_CAUSE", cause});
     const bool good = status.state.cause == LinkCause::good;
     log_at(good ? LogLevel::info : LogLevel::warning, "input {}: {}{}", name,
-           cause_text(status.state, status.implausible), swallowed_note(*swallowed));
+           cause_text(status.state, status.implausible, status.fault.view()),
+           swallowed_note(*swallowed));
 }
 
 /// Frames among good ones. If none is good, the cause says it.
@@ -160,7 +161,8 @@ void StateLog::log_missing_signal(const std::string& name, const InputStatus& st
                     advice.no_frame, doctor);
     } else {
         log_warning("input {}: frames arrive, but {}; {}", name,
-                    cause_text(status.state, status.implausible), advice.not_good);
+                    cause_text(status.state, status.implausible, status.fault.view()),
+                    advice.not_good);
     }
 }
 

@@ -39,7 +39,7 @@ void SimulateLog::look_at_input(std::size_t index, Instant now) {
         if (state.cause != LinkCause::unproved) {
             causes_[index] = state.cause;
             print_change(now, "input", input_names_[index],
-                         cause_text(state, input.link().implausible()));
+                         cause_text(state, input.link().implausible(), input.fault().view()));
         }
     }
     if (input.decoder().two_senders() && !two_senders_printed_[index]) {

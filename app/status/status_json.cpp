@@ -122,7 +122,7 @@ OrderedJson input_json(const InputConfig& config, const InputReport& input, Inst
     json["state"] = input_state(status);
     json["cause"] = as_word(name_of(status.state.cause));
     json["sign"] = sign_word(status.state.sign);
-    json["text"] = cause_text(status.state, status.implausible);
+    json["text"] = cause_text(status.state, status.implausible, status.fault.view());
     json["state_age_us"] =
         status.state.cause == LinkCause::never_seen ? OrderedJson() : age(status.state.since, now);
     json["rate_hz"] = number_json(std::round(input.rate_hz * 10) / 10);

@@ -92,7 +92,7 @@ std::string StatusLine::said_of(const OutputStatus& output, Instant now, Instant
                        wait_text(output.state, output.wait, input_names_));
 }
 
-std::string StatusLine::text(std::span<const LinkState> inputs,
+std::string StatusLine::text(std::span<const InputStatus> inputs,
                              std::span<const OutputStatus> outputs, Instant now) {
     std::vector<std::pair<int, std::string>> parts;
     for (std::size_t i = 0; i < outputs.size(); ++i) {
@@ -104,9 +104,11 @@ std::string StatusLine::text(std::span<const LinkState> inputs,
                                                            said_of(outputs[i], now, since_[i].at)));
     }
     for (std::size_t i = 0; i < inputs.size(); ++i) {
-        const bool good = inputs[i].cause == LinkCause::good;
+        const bool good = inputs[i].state.cause == LinkCause::good;
         parts.emplace_back(good ? 5 : 1,
-                           fmt::format("{}: {}", input_names_[i], cause_text(inputs[i])));
+                           fmt::format("{}: {}", input_names_[i],
+                                       cause_text(inputs[i].state, inputs[i].implausible,
+                                                  inputs[i].fault.view())));
     }
     std::ranges::stable_sort(parts, {}, [](const auto& part) { return part.first; });
     std::vector<std::string> texts;

@@ -8,7 +8,6 @@
 
 #include "core/time.h"
 #include "pipelines/realtime/loop.h"
-#include "pipelines/rules/link_supervisor.h"
 
 namespace tribus {
 
@@ -20,7 +19,7 @@ class StatusLine {
 
     /// Both lists are in the order of the names. Durations of a failsafe or loss are rounded down
     /// to steps, so that the line does not change all the time.
-    std::string text(std::span<const LinkState> inputs, std::span<const OutputStatus> outputs,
+    std::string text(std::span<const InputStatus> inputs, std::span<const OutputStatus> outputs,
                      Instant now);
 
   private:

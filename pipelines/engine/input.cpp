@@ -107,6 +107,15 @@ const DecoderReport& Input::decoder() const {
                       decoder_);
 }
 
+FaultText Input::fault() const {
+    const bool by_decoder = ongoing_.state.cause == LinkCause::garbled ||
+                            (ongoing_.state.cause == LinkCause::radio_lost &&
+                             ongoing_.state.sign == RadioLossSign::failsafe_flag);
+    FaultText fault;
+    fault.length = by_decoder ? decoder().write_fault(fault.text) : 0;
+    return fault;
+}
+
 void Input::judge(Instant now) {
     looked_at_ = now;
     const LinkState fresh = supervisor_.state(now);

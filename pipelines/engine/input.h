@@ -104,6 +104,9 @@ class Input {
     const LinkSupervisor& link() const { return supervisor_; }
     /// State of the link at the latest frame or call of `look`.
     const LinkState& state() const { return ongoing_.state; }
+    /// What its decoder says of frames that do not count, if it is the decoder that refuses them or
+    /// marks them failsafe. Empty: it says nothing.
+    FaultText fault() const;
     /// Updates `state` and the counters of causes.
     void look(Instant now) {
         if (now != looked_at_) {

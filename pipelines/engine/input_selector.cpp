@@ -319,6 +319,7 @@ OutputWait InputSelector::wait_for(std::size_t place, Instant now, Instant until
     OutputWait wait{
         .input = settings_.inputs[place],
         .link = link.state(now),
+        .fault = input.fault(),
         .marked = link.marked_of_latest(),
         .latest = std::min<std::size_t>(input.counts().frames, LinkSupervisor::kRatioFrames)};
     if (link.implausible().frames > 0 && now - link.implausible().at < kImplausibleMemory) {

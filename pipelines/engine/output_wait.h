@@ -8,6 +8,7 @@
 #include "core/time.h"
 #include "pipelines/rules/link_supervisor.h"
 #include "pipelines/rules/settings.h"
+#include "transports/codecs/codec.h"
 
 namespace tribus {
 
@@ -32,8 +33,9 @@ struct OutputWait {
     Awaited awaited = Awaited::nothing;
     /// Index of the input. Absent if `awaited` has nothing to do with one.
     std::optional<std::size_t> input{};
-    /// State of that input's link.
+    /// State of that input's link, and what its decoder says of it.
     LinkState link{};
+    FaultText fault{};
     /// Frames of that input that brought no news: how many of the latest were marked frame-lost,
     /// and those of the last second with implausible values.
     std::size_t marked = 0;

@@ -92,6 +92,7 @@ struct InputStatus {
     /// `unproved` instead of `good` while no output can use its frames.
     LinkState state;
     ImplausibleFrames implausible;
+    FaultText fault;
     bool ever_good = false;
     bool two_senders = false;  ///< the decoder sees two senders with its ids
 };

@@ -28,6 +28,7 @@ void Loop::publish_input(std::size_t index, Instant now) {
     status.interval = input.arrivals().interval();
     status.state = engine_.input_state(index, now);
     status.implausible = input.link().implausible();
+    status.fault = input.fault();
     status.ever_good = input.link().ever_good();
     status.two_senders = input.decoder().two_senders();
     input_status_[index].publish(status);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -55,6 +56,15 @@ struct RadioStatistics {
     std::optional<std::uint16_t> power_mw{};  ///< of the transmitter
     std::optional<std::uint8_t> mode{};       ///< number of the rate; its meaning is the maker's
     Instant received{};
+};
+
+/// What a decoder says of the frames that it refuses, in a fixed place; see
+/// DecoderReport::write_fault.
+struct FaultText {
+    std::array<char, 160> text{};
+    std::size_t length = 0;
+
+    std::string_view view() const { return {text.data(), length}; }
 };
 
 /// Counters and details that every decoder reports.

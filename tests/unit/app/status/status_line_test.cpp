@@ -12,9 +12,12 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Instant kStart{100s};
-const LinkState kGood{.cause = LinkCause::good};
-const LinkState kSilent{.cause = LinkCause::wire_silent};
 
+InputStatus told(LinkCause cause) {
+    InputStatus status;
+    status.state.cause = cause;
+    return status;
+}
 OutputStatus told(const OutputState& state, const OutputWait& wait = {}) {
     OutputStatus status;
     status.state = state;
@@ -22,12 +25,14 @@ OutputStatus told(const OutputState& state, const OutputWait& wait = {}) {
     return status;
 }
 
+const InputStatus kGood = told(LinkCause::good);
+const InputStatus kSilent = told(LinkCause::wire_silent);
 const OutputStatus kControl = told({.stage = OutputStage::control, .input = 0});
 const OutputStatus kHolding = told({.stage = OutputStage::holding});
 const OutputStatus kFailsafe =
     told({.stage = OutputStage::failsafe}, {.awaited = Awaited::link, .input = 0});
 
-std::string one(StatusLine& line, const LinkState& input, const OutputStatus& output,
+std::string one(StatusLine& line, const InputStatus& input, const OutputStatus& output,
                 Duration after = 0s) {
     return line.text(std::vector{input}, std::vector{output}, kStart + after);
 }
