@@ -21,6 +21,7 @@
 #include "app/cli/complain.h"
 #include "app/cli/exit_status.h"
 #include "app/cli/streams.h"
+#include "app/journal/print_error.h"
 #include "config/language/mistakes.h"
 #include "pipelines/realtime/scheduling.h"
 
@@ -119,9 +120,8 @@ bool write_plot(const std::string& path, const Report& report) {
     std::ofstream file(path, std::ios::binary);
     file << bench::report_svg(report);
     if (!file.flush()) {
-        fmt::print(stderr,
-                   "{}: cannot be written; check that its folder exists and the disk is not full\n",
-                   path);
+        print_error(
+            "{}: cannot be written; check that its folder exists and the disk is not full\n", path);
         return false;
     }
     return true;
@@ -135,7 +135,7 @@ std::size_t report_columns() {
 /// Shows the running measurement; on a terminal only.
 void show_progress(std::string_view text) {
     if (::isatty(STDERR_FILENO) == 1) {
-        fmt::print(stderr, "\r\x1b[K{}", text);
+        print_error("\r\x1b[K{}", text);
         std::fflush(stderr);
     }
 }

@@ -1,6 +1,7 @@
 #include "app/cli/command_line.h"
 
 #include <algorithm>
+#include <csignal>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -21,6 +22,7 @@
 #include "app/cli/help_text.h"
 #include "app/cli/streams.h"
 #include "app/cli/wrong_use.h"
+#include "app/journal/print_error.h"
 
 namespace tribus {
 namespace {
@@ -165,7 +167,7 @@ int end_early(const Program& program, const Command* command, const BuildFacts& 
         return kExitFine;
     }
     if (dynamic_cast<const CLI::CallForHelp*>(&error) == nullptr) {
-        fmt::print(stderr, "{}: {}\n", program.name, mistake_text(program, command, app, error));
+        print_error("{}: {}\n", program.name, mistake_text(program, command, app, error));
         return kExitWrongUse;
     }
     if (command == nullptr) {
@@ -212,12 +214,12 @@ tl::expected<std::function<int()>, int> read_command_line(Program& program, cons
                                                           int argc, const char* const* argv) {
     const Words words(argv + std::min(argc, 1), argv + argc);
     if (words.empty()) {
-        fmt::print(stderr, "{}", help_of(program));
+        print_error("{}", help_of(program));
         return tl::unexpected(kExitWrongUse);
     }
     const auto named = std::ranges::find(program.commands, words.front(), &Command::name);
     if (named == program.commands.end() && !words.front().starts_with('-')) {
-        fmt::print(stderr, "{}: {}\n", program.name, unknown_command(program, words.front()));
+        print_error("{}: {}\n", program.name, unknown_command(program, words.front()));
         return tl::unexpected(kExitWrongUse);
     }
     CLI::App app{"", program.name};
@@ -247,6 +249,8 @@ tl::expected<std::function<int()>, int> read_command_line(Program& program, cons
 int run_command_line(const std::function<Program()>& make_program, const BuildFacts& built,
                      int argc, char** argv) {
     hold_standard_streams();
+    // A write beyond the limit of file sizes (RLIMIT_FSIZE) fails, as on a full disk.
+    std::signal(SIGXFSZ, SIG_IGN);
     int status = kExitFailed;
     // Libraries throw when memory or standard output fails; our own code does not throw.
     try {

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/streams.h"
+#include "app/journal/print_error.h"
 
 namespace tribus {
 
@@ -20,7 +21,7 @@ inline int complain(std::string_view text, int status) {
     if (::isatty(STDERR_FILENO) == 1) {
         tell_person(line);
     } else {
-        fmt::print(stderr, "{}\n", line);
+        print_error("{}\n", line);
     }
     return status;
 }

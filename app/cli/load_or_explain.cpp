@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "app/journal/journal.h"
+#include "app/journal/print_error.h"
 #include "config/load.h"
 
 namespace tribus {
@@ -16,8 +17,8 @@ CommandOption configuration_option(std::string& path) {
 
 void explain_mistakes(const std::vector<Mistake>& mistakes) {
     for (const Mistake& mistake : mistakes) {
-        fmt::print(stderr, "{}{}\n", stderr_is_journal() ? "<3>" : "",
-                   without_control_characters(format_mistake(mistake)));
+        print_error("{}{}\n", stderr_is_journal() ? "<3>" : "",
+                    without_control_characters(format_mistake(mistake)));
     }
 }
 

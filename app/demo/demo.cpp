@@ -25,6 +25,7 @@
 #include "app/cli/terminal.h"
 #include "app/demo/demo_peers.h"
 #include "app/demo/demo_screen.h"
+#include "app/journal/print_error.h"
 #include "app/journal/terminal_stream.h"
 #include "config/language/mistakes.h"
 #include "config/load.h"
@@ -251,13 +252,13 @@ int play_far_ends(const std::string& file, std::optional<Duration> length,
     auto receiver = Pty::open();
     auto servos = Pty::open();
     if (!receiver || !servos) {
-        fmt::print(stderr, "{}\n", receiver ? servos.error() : receiver.error());
+        print_error("{}\n", receiver ? servos.error() : receiver.error());
         return kExitFailed;
     }
     std::ofstream out(file);
     out << demo_configuration(receiver->path, servos->path);
     if (!out.flush()) {
-        fmt::print(stderr, "{}: {}\n", file, std::strerror(errno));
+        print_error("{}: {}\n", file, std::strerror(errno));
         return kExitFailed;
     }
     if (!print_line_now(fmt::format("receiver at {}, servos at {}; now run {}", receiver->path,
@@ -292,11 +293,11 @@ int demo(const DemoOptions& options) {
     }
     auto bench = set_up();
     if (!bench) {
-        fmt::print(stderr, "{}\n", bench.error());
+        print_error("{}\n", bench.error());
         return kExitFailed;
     }
     for (const std::string& lack : bench->appliance->missing_realtime()) {
-        fmt::print(stderr, "no full real time: {}\n", lack);
+        print_error("no full real time: {}\n", lack);
     }
     return Demo(std::move(*bench), length).run(ending);
 }

@@ -8,6 +8,7 @@
 
 #include "app/cli/exit_status.h"
 #include "app/cli/load_or_explain.h"
+#include "app/journal/print_error.h"
 #include "config/check/warnings.h"
 #include "config/load.h"
 #include "config/show/effective.h"
@@ -29,8 +30,8 @@ int check(const std::string& path, bool json) {
         return kExitWrongUse;
     }
     for (const Mistake& warning : warnings_about(*configuration)) {
-        fmt::print(stderr, "{}:{}:{}: warning: {}\n", warning.file, warning.where.line,
-                   warning.where.column, warning.text);
+        print_error("{}:{}:{}: warning: {}\n", warning.file, warning.where.line,
+                    warning.where.column, warning.text);
     }
     fmt::print("{}", json ? effective_json(*configuration) : effective_toml(*configuration));
     return kExitFine;

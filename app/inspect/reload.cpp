@@ -27,6 +27,7 @@
 #include "app/client/ask_daemon.h"
 #include "app/client/control_socket.h"
 #include "app/client/status_fields.h"
+#include "app/journal/print_error.h"
 #include "config/language/read_document.h"
 #include "config/language/read_file.h"
 #include "core/quantity.h"
@@ -61,10 +62,10 @@ int ask_and_tell(const std::string& socket, const std::string& request, const ch
     }
     const bool done = status_fields::flag(*answer, "taken");
     for (const auto& line : status_fields::list(*answer, "lines")) {
-        fmt::print(stderr, "{}{}\n", done ? "outputs stopped for it: " : "",
-                   status_fields::shown(line.is_string() ? line.get<std::string>() : line.dump()));
+        print_error("{}{}\n", done ? "outputs stopped for it: " : "",
+                    status_fields::shown(line.is_string() ? line.get<std::string>() : line.dump()));
     }
-    fmt::print(stderr, "tribus: {}\n", done ? taken : "refused; the configuration before stays");
+    print_error("tribus: {}\n", done ? taken : "refused; the configuration before stays");
     return done ? kExitFine : kExitFailed;
 }
 
@@ -125,8 +126,8 @@ Choice ask_person(MainWait& wait, Instant end) {
 int watch_trial(const std::string& socket, const ReloadOptions& options, Duration trial,
                 const std::string& number) {
     if (::isatty(STDIN_FILENO) == 0) {
-        fmt::print(stderr, "tribus: goes back in {}; `tribus reload{}{} --confirm` keeps it\n",
-                   options.trial, options.name.empty() ? "" : " ", options.name);
+        print_error("tribus: goes back in {}; `tribus reload{}{} --confirm` keeps it\n",
+                    options.trial, options.name.empty() ? "" : " ", options.name);
         return kExitFine;
     }
     const Instant end = later(monotonic_now(), trial);
@@ -137,12 +138,12 @@ int watch_trial(const std::string& socket, const ReloadOptions& options, Duratio
         case Choice::keep:
             return ask_and_tell(socket, "confirm" + number, "confirmed");
         case Choice::back:
-            fmt::print(stderr, "\n");
+            print_error("\n");
             return ask_and_tell(socket, "back" + number, "the configuration before is back");
         case Choice::too_late:
             break;
     }
-    fmt::print(stderr, "\ntribus: not confirmed; the configuration before is back\n");
+    print_error("\ntribus: not confirmed; the configuration before is back\n");
     return kExitFailed;
 }
 

@@ -5,9 +5,10 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cctype>
+#include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
@@ -19,6 +20,8 @@
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/base_sink.h>
 
+#include "app/journal/line_writer.h"
+#include "core/utf8.h"
 #include "transports/links/unique_fd.h"
 
 namespace tribus {
@@ -94,26 +97,73 @@ class JournalSink final : public spdlog::sinks::base_sink<spdlog::details::null_
             std::string_view(message.payload.data(), message.payload.size()));
         const std::string entry = journal_entry(message.level, text, LogFields::current());
         if (::send(socket_.get(), entry.data(), entry.size(), MSG_NOSIGNAL) < 0) {
-            fmt::print(stderr, "<{}>{}\n", priority_of(message.level), text);
+            writer_.write(fmt::format("<{}>{}", priority_of(message.level), text));
         }
     }
     void flush_() override {}
 
   private:
     UniqueFd socket_;
+    LineWriter writer_{STDERR_FILENO};
 };
+
+constexpr std::string_view kNoColour = "\x1b[m";
+
+std::string_view colour_of(spdlog::level::level_enum level) {
+    return level >= spdlog::level::err    ? "\x1b[31m\x1b[1m"
+           : level >= spdlog::level::warn ? "\x1b[33m\x1b[1m"
+                                          : "\x1b[32m";
+}
+
+/// The sinks of the library wait for whoever reads a full pipe.
+class TerminalSink final : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
+  public:
+    TerminalSink(int descriptor, bool colours) : writer_(descriptor), colours_(colours) {}
+
+  protected:
+    void sink_it_(const spdlog::details::log_msg& message) override {
+        spdlog::memory_buf_t formatted;
+        formatter_->format(message, formatted);
+        std::string line(formatted.data(), formatted.size());
+        line.erase(line.find_last_not_of('\n') + 1);
+        if (colours_ && message.color_range_end > message.color_range_start) {
+            line.insert(message.color_range_end, kNoColour);
+            line.insert(message.color_range_start, colour_of(message.level));
+        }
+        writer_.write(line);
+    }
+    void flush_() override {}
+
+  private:
+    LineWriter writer_;
+    bool colours_;
+};
+
+/// Characters that are no control characters of ASCII, but act on a line of text: those of ISO 6429
+/// (U+0080 to U+009F), line ends of Unicode, and those that turn the direction of writing.
+bool acts_on_text(char32_t character) {
+    return (character >= 0x80 && character < 0xA0) ||
+           (character >= 0x2028 && character <= 0x202E) ||
+           (character >= 0x2066 && character <= 0x2069);
+}
 
 }  // namespace
 
 std::string without_control_characters(std::string_view text) {
     std::string line;
     line.reserve(text.size());
-    for (const char c : text) {
-        const auto code = static_cast<unsigned char>(c);
-        if (std::iscntrl(code) != 0) {
-            line += fmt::format("\\x{:02x}", code);
+    while (!text.empty()) {
+        const std::size_t length = utf8_length(text);
+        const std::string_view character = text.substr(0, std::max<std::size_t>(length, 1));
+        text.remove_prefix(character.size());
+        const auto first = static_cast<unsigned char>(character.front());
+        if (length == 0 || std::iscntrl(first) != 0 ||
+            (length > 1 && acts_on_text(utf8_character(character)))) {
+            for (const char byte : character) {
+                line += fmt::format("\\x{:02x}", static_cast<unsigned char>(byte));
+            }
         } else {
-            line += c;
+            line += character;
         }
     }
     return line;
@@ -144,6 +194,10 @@ std::string journal_entry(spdlog::level::level_enum level, std::string_view mess
         }
     }
     return entry;
+}
+
+std::shared_ptr<spdlog::sinks::sink> terminal_sink(int descriptor, bool colours) {
+    return std::make_shared<TerminalSink>(descriptor, colours);
 }
 
 std::shared_ptr<spdlog::sinks::sink> journal_sink(const std::string& socket) {

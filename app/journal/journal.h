@@ -13,12 +13,17 @@
 /// Format of the log, on a terminal and in the systemd journal.
 namespace tribus {
 
-/// Replaces each control character, such as `\x1b` as four characters. Names come from files,
-/// devices and other nodes of a bus; they must not begin a log line or control the terminal. Pure.
+/// Replaces each control character, each character that turns the direction of writing, and each
+/// byte that is not UTF-8, such as `\x1b` as four characters. Names come from files, which may be
+/// damaged, devices and other nodes of a bus; they must not begin a log line or control the
+/// terminal. Pure.
 std::string without_control_characters(std::string_view text);
 
 /// `12:00:05.123 info what happened`, for standard error.
 std::unique_ptr<spdlog::formatter> terminal_formatter();
+
+/// Writes each message as a line, or loses it if there is no room. Never waits. Thread-bound.
+std::shared_ptr<spdlog::sinks::sink> terminal_sink(int descriptor, bool colours);
 
 /// True if standard error is the journal, according to $JOURNAL_STREAM (systemd.exec(5)).
 bool stderr_is_journal();

@@ -2,10 +2,10 @@
 
 #include <unistd.h>
 
+#include <csignal>
 #include <memory>
 #include <utility>
 
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include "app/journal/journal.h"
@@ -14,10 +14,11 @@
 namespace tribus {
 
 void log_to_journal_or_terminal() {
-    const auto colours =
-        shows_colour(STDERR_FILENO) ? spdlog::color_mode::always : spdlog::color_mode::never;
-    auto logger = stderr_is_journal() ? std::make_shared<spdlog::logger>("tribus", journal_sink())
-                                      : spdlog::stderr_color_st("tribus", colours);
+    // A log whose reader has gone must not end the program.
+    std::signal(SIGPIPE, SIG_IGN);
+    auto sink = stderr_is_journal() ? journal_sink()
+                                    : terminal_sink(STDERR_FILENO, shows_colour(STDERR_FILENO));
+    auto logger = std::make_shared<spdlog::logger>("tribus", std::move(sink));
     logger->set_formatter(terminal_formatter());
     spdlog::set_default_logger(std::move(logger));
 }

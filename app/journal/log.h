@@ -10,7 +10,8 @@
 /// logging library, which are slow to compile.
 namespace tribus {
 
-/// Selects the journal or the terminal. Call it once, before the first entry.
+/// Selects the journal or the terminal. Call it once, before the first entry, in a program that
+/// serves and therefore goes on when nobody reads its log: SIGPIPE is ignored from then on.
 void log_to_journal_or_terminal();
 
 enum class LogLevel : std::uint8_t { info, warning, error };

@@ -19,6 +19,7 @@
 #include "app/cli/exit_status.h"
 #include "app/cli/main_wait.h"
 #include "app/cli/streams.h"
+#include "app/journal/print_error.h"
 #include "app/learn/learn_step.h"
 #include "app/learn/pad_lesson.h"
 #include "core/quotes.h"
@@ -248,15 +249,15 @@ std::vector<std::string> advice_on(const PadToLearn& pad, const EvdevDeviceFacts
 void print_learned(const PadToLearn& pad, const std::vector<std::string>& lines,
                    const std::vector<std::string>& advice) {
     for (const std::string& one : advice) {
-        fmt::print(stderr, "\n");
+        print_error("\n");
         tell_person(one);
     }
-    fmt::print(stderr, "\n");
+    print_error("\n");
     tell_person(
         pad.place.empty()
             ? std::string("For the configuration:")
             : fmt::format("Lines for {}, in place of its axes, buttons and dead_man:", pad.place));
-    fmt::print(stderr, "\n");
+    print_error("\n");
     for (const std::string& line : lines) {
         fmt::print("{}\n", line);
     }

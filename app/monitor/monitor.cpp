@@ -23,6 +23,7 @@
 #include "app/client/ask_daemon.h"
 #include "app/client/monitor_link.h"
 #include "app/client/status_fields.h"
+#include "app/journal/print_error.h"
 #include "app/journal/terminal_stream.h"
 #include "app/monitor/monitor_keys.h"
 #include "app/monitor/monitor_screen.h"
@@ -121,7 +122,7 @@ class Monitor {
         }
         link_.reconnect(monotonic_now());
         if (was_connected && !link_.connected() && options_.format == kJson) {
-            fmt::print(stderr, "tribus: {}\n", link_.problem());
+            print_error("tribus: {}\n", link_.problem());
         }
         return std::nullopt;
     }

@@ -20,6 +20,7 @@
 #include "app/cli/exit_status.h"
 #include "app/cli/line_use.h"
 #include "app/cli/main_wait.h"
+#include "app/journal/print_error.h"
 #include "app/replay/capture_text.h"
 #include "pipelines/realtime/capture_ring.h"
 #include "pipelines/realtime/clock.h"
@@ -151,9 +152,9 @@ int record(Recorder& recorder, MainWait& wait, const PortRecording& recording, I
         full = recorder.bytes() >= recording.most_bytes;
     }
     const double seconds = std::chrono::duration<double>(monotonic_now() - start).count();
-    fmt::print(stderr, "{}: {} {} in {:.1f} s{}\n", recording.file, recorder.count(),
-               is_device_path(recording.port) ? "bursts" : "frames", seconds,
-               full ? "; --limit is reached" : "");
+    print_error("{}: {} {} in {:.1f} s{}\n", recording.file, recorder.count(),
+                is_device_path(recording.port) ? "bursts" : "frames", seconds,
+                full ? "; --limit is reached" : "");
     if (!there) {
         return complain(recording.port + " is gone", kExitFailed);
     }
@@ -190,7 +191,7 @@ int record_port(const PortRecording& recording) {
                        .byte_time = use ? use->line.bytes_time(1) : Duration::zero(),
                        .zero = start,
                        .zero_wall = wall_time_now()});
-    fmt::print(stderr, "recording {} into {}; Ctrl-C ends it\n", recording.port, recording.file);
+    print_error("recording {} into {}; Ctrl-C ends it\n", recording.port, recording.file);
     return record(recorder, *wait, recording, start);
 }
 

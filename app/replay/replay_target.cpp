@@ -21,6 +21,7 @@
 #include "app/cli/line_use.h"
 #include "app/cli/pty.h"
 #include "app/cli/streams.h"
+#include "app/journal/print_error.h"
 #include "pipelines/realtime/clock.h"
 #include "transports/links/can/can_socket.h"
 #include "transports/links/serial/serial_port.h"
@@ -73,8 +74,7 @@ class PtyTarget final : public ReplayTarget {
             return false;
         }
         if (!has_reader()) {
-            fmt::print(stderr, "waiting for a program to open {}\n",
-                       link_.empty() ? pty_.path : link_);
+            print_error("waiting for a program to open {}\n", link_.empty() ? pty_.path : link_);
         }
         while (!has_reader()) {
             if (wait.until(later(monotonic_now(), kPollPeriod))) {

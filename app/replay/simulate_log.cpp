@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/cause_text.h"
+#include "app/journal/print_error.h"
 
 namespace tribus {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 void print_change(Instant now, std::string_view kind, std::string_view name,
                   std::string_view text) {
     const double seconds = std::chrono::duration<double>(now.time_since_epoch()).count();
-    fmt::print(stderr, "{:10.3f} s  {} {}: {}\n", seconds, kind, name, text);
+    print_error("{:10.3f} s  {} {}: {}\n", seconds, kind, name, text);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/exit_status.h"
+#include "app/journal/print_error.h"
 #include "core/can_frame.h"
 #include "core/setting.h"
 #include "transports/codecs/native_can/channels.h"
@@ -36,7 +37,7 @@ int print_dbc(const DbcOptions& options) {
     settings.set("extended", options.extended);
     const Protocol& protocol = options.sensors ? kSensorsProtocol : kCanProtocol;
     for (const SettingMistake& mistake : protocol.check(settings, SettingScope::output)) {
-        fmt::print(stderr, "--{}: {}\n", mistake.path.front(), mistake.text);
+        print_error("--{}: {}\n", mistake.path.front(), mistake.text);
         return kExitWrongUse;
     }
     fmt::print("{}", options.sensors ? sensor_can_dbc(SensorCanFormat::from_settings(settings))

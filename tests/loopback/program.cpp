@@ -96,6 +96,14 @@ void Program::become(const std::vector<std::string>& arguments, const ProgramSet
     ::signal(SIGINT, SIG_DFL);
     redirect(STDIN_FILENO, settings.input.empty() ? "/dev/null" : settings.input, O_RDONLY);
     redirect(STDERR_FILENO, errors_file_, O_WRONLY | O_TRUNC | O_APPEND);
+    if (settings.errors == "closed") {
+        ::close(STDERR_FILENO);
+    } else if (!settings.errors.empty()) {
+        redirect(STDERR_FILENO, settings.errors, O_WRONLY | O_APPEND);
+    }
+    if (settings.most_file_bytes != 0) {
+        lower_limit(RLIMIT_FSIZE, settings.most_file_bytes);
+    }
     if (settings.terminal.empty()) {
         redirect(STDOUT_FILENO, output_file_, O_WRONLY | O_TRUNC);
     } else {

@@ -39,6 +39,11 @@ struct ProgramSettings {
     std::string terminal = {};
     /// File that becomes standard input. If empty: the terminal, or /dev/null.
     std::string input = {};
+    /// A file, pipe or device that becomes standard error, which `errors` and `says` do not read
+    /// then. "closed": standard error is closed. If empty: a file in the folder.
+    std::string errors = {};
+    /// Limit of the size of files that it writes; 0: as many bytes as the tests.
+    std::size_t most_file_bytes = 0;
     /// Runtime directory, as from a service manager. If empty: the test's folder.
     std::string runtime_directory = {};
     /// Runs under an account without rights, with Debian's limits (8 MiB of locked memory and of

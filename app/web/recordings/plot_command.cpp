@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/exit_status.h"
+#include "app/journal/print_error.h"
 #include "app/web/recordings/plot_recording.h"
 
 namespace tribus::web {
@@ -62,7 +63,7 @@ Duration plot_time(std::uint64_t us) {
 }
 
 int fail_plot(const std::string& why) {
-    fmt::print(stderr, "{}\n", why);
+    print_error("{}\n", why);
     return kExitFailed;
 }
 

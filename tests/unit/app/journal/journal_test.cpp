@@ -35,6 +35,14 @@ TEST(LogOnATerminal, HasOneLineForEachMessageAndNoControlCharacters) {
     EXPECT_EQ(std::ranges::count(text, '\n'), 1);
 }
 
+TEST(LogText, HasNoBytesOfDamagedFilesButCharactersOfAnyLanguage) {
+    EXPECT_EQ(without_control_characters("/dev/\xff\xc3 gef\u00e4hrlich"),
+              "/dev/\\xff\\xc3 gef\u00e4hrlich");
+    // NEXT LINE, a control sequence introducer, RIGHT-TO-LEFT OVERRIDE, LINE SEPARATOR.
+    EXPECT_EQ(without_control_characters("a\u0085\u009b\u202e\u2028z"),
+              "a\\xc2\\x85\\xc2\\x9b\\xe2\\x80\\xae\\xe2\\x80\\xa8z");
+}
+
 TEST(JournalEntry, HasMessagePriorityAndWhoSaysIt) {
     EXPECT_EQ(entry("input receiver: good"),
               "MESSAGE=input receiver: good\nPRIORITY=4\nSYSLOG_IDENTIFIER=tribus\n");
@@ -100,8 +108,8 @@ TEST_F(Journal, GetsEachMessageAsOneEntryWithWhatItIsAbout) {
 }
 
 TEST_F(Journal, ThatIsNotThereCostsTheFieldsOnly) {
-    spdlog::logger logger("t", journal_sink(folder_ / "other"));
     testing::internal::CaptureStderr();
+    spdlog::logger logger("t", journal_sink(folder_ / "other"));
     logger.error("no such device");
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "<3>no such device\n");
 }
