@@ -14,6 +14,7 @@
 #include "app/client/control_socket.h"
 #include "app/journal/log.h"
 #include "app/recorder/left_recording.h"
+#include "app/recorder/recording_plan.h"
 #include "config/build/carry_over.h"
 #include "pipelines/realtime/clock.h"
 
@@ -38,6 +39,54 @@ std::string state_directory() {
 
 std::string ring_file(std::size_t number) {
     return fmt::format("{}.ring", number);
+}
+
+RecordingOrder order_for(const RecorderConfig& config, const fs::path& directory,
+                         const RecordingPlan& plan, const RecordedEvent& event,
+                         Duration wall_offset) {
+    RecordingOrder order;
+    order.directory = directory;
+    order.kind = event.kind;
+    order.reason = event.reason;
+    order.zero = std::max(plan.begin, event.at - config.before);
+    order.zero_wall = wall_offset + order.zero.time_since_epoch();
+    order.event_wall = event.wall;
+    order.ports = plan.ports;
+    order.files = plan.files;
+    order.replay = plan.replay;
+    order.lacks = plan.lacks;
+    order.keep = static_cast<std::size_t>(config.keep);
+    order.space = static_cast<std::uintmax_t>(config.space_mib) * kMib;
+    return order;
+}
+
+/// Reads what the process before this one had in memory.
+tl::expected<PreparedRecording, std::string> prepare_left(const RecorderConfig& config,
+                                                          const fs::path& directory,
+                                                          const fs::path& folder, Instant now,
+                                                          Duration wall_now) {
+    remove_unfinished_recordings(directory);
+    const auto age = age_of_latest(directory, "crash", wall_now);
+    if (age && *age < config.pause) {
+        return tl::unexpected<std::string>("a crash was recorded a moment ago");
+    }
+    auto left = read_left_recording(folder, now);
+    if (!left) {
+        return tl::unexpected(left.error());
+    }
+    const Duration wall_offset = wall_now - now.time_since_epoch();
+    PreparedRecording crash{
+        .order = order_for(config, directory, left->plan,
+                           {.kind = "crash",
+                            .reason = "the process before this one crashed or was killed",
+                            .wall = wall_offset + left->latest.time_since_epoch(),
+                            .at = left->latest,
+                            .due = left->latest},
+                           wall_offset),
+        .kept = std::move(left->memories),
+        .rings = std::move(left->rings)};
+    crash.order.end = now;
+    return crash;
 }
 
 }  // namespace
@@ -67,39 +116,23 @@ tl::expected<std::unique_ptr<FlightRecorder>, std::string> FlightRecorder::make(
     std::unique_ptr<FlightRecorder> recorder(new FlightRecorder(
         config, directory,
         ring_directory ? std::optional(std::move(*ring_directory)) : std::nullopt));
-    remove_unfinished_recordings(directory);
     recorder->write_left(monotonic_now(), wall_time_now());
     return recorder;
 }
 
-/// Writes what the previous process had in memory, if it crashed or was killed.
+/// Writes what the previous process had in memory, if it crashed or was killed. The job reads it
+/// too: no frame waits for what may be long or damaged.
 void FlightRecorder::write_left(Instant now, Duration wall_now) {
-    const auto folder = ring_directory_ ? ring_directory_->take_left() : std::nullopt;
+    auto folder = ring_directory_ ? ring_directory_->take_left() : std::nullopt;
     if (!folder) {
+        remove_unfinished_recordings(directory_);
         return;
     }
-    const auto age = age_of_latest(directory_, "crash", wall_now);
-    auto left = age && *age < config_.pause
-                    ? tl::unexpected<std::string>("a crash was recorded a moment ago")
-                    : read_left_recording(*folder, now);
-    if (!left) {
-        log_warning(
-            "recorder: the process before this one crashed or was killed; nothing of it is "
-            "written: {}",
-            left.error());
-        ring_directory_->remove_left();
-        return;
-    }
-    plan_ = std::move(left->plan);
-    const Duration wall_offset = wall_now - now.time_since_epoch();
-    RecordingOrder crash = order({.kind = "crash",
-                                  .reason = "the process before this one crashed or was killed",
-                                  .wall = wall_offset + left->latest.time_since_epoch(),
-                                  .at = left->latest,
-                                  .due = left->latest},
-                                 wall_offset);
-    crash.end = now;
-    job_ = RecordingJob::start(std::move(crash), std::move(left->memories), std::move(left->rings));
+    job_is_left_ = true;
+    job_ = RecordingJob::start(
+        [config = config_, directory = directory_, now, wall_now, folder = std::move(*folder)] {
+            return prepare_left(config, directory, folder, now, wall_now);
+        });
     job_number_ = 0;
 }
 
@@ -212,27 +245,23 @@ void FlightRecorder::write_plan() const {
     }
     RecordingPlan outliving = plan_;
     std::erase_if(outliving.ports, [](const RecordedPort& port) { return port.ring_file.empty(); });
+    std::string text = plan_to_text(outliving);
+    if (text.size() > kMostPlanBytes) {
+        outliving.files.clear();
+        outliving.lacks.emplace_back("the configuration and its files, which are too long");
+        text = plan_to_text(outliving);
+    }
     std::error_code ignored;
     const fs::path fresh = ring_directory_->path() / "plan.new";
-    std::ofstream(fresh, std::ios::binary) << plan_to_text(outliving);
-    fs::rename(fresh, ring_directory_->path() / kRecordingPlanFile, ignored);
+    std::ofstream file(fresh, std::ios::binary);
+    file << text;
+    if (file.flush()) {
+        fs::rename(fresh, ring_directory_->path() / kRecordingPlanFile, ignored);
+    }
 }
 
 RecordingOrder FlightRecorder::order(const Event& event, Duration wall_offset) const {
-    RecordingOrder order;
-    order.directory = directory_;
-    order.kind = event.kind;
-    order.reason = event.reason;
-    order.zero = std::max(plan_.begin, event.at - config_.before);
-    order.zero_wall = wall_offset + order.zero.time_since_epoch();
-    order.event_wall = event.wall;
-    order.ports = plan_.ports;
-    order.files = plan_.files;
-    order.replay = plan_.replay;
-    order.lacks = plan_.lacks;
-    order.keep = static_cast<std::size_t>(config_.keep);
-    order.space = static_cast<std::uintmax_t>(config_.space_mib) * kMib;
-    return order;
+    return order_for(config_, directory_, plan_, event, wall_offset);
 }
 
 void FlightRecorder::note_failsafes(std::span<const std::uint64_t> entries, Instant now,
@@ -287,13 +316,18 @@ void FlightRecorder::begin(const Event& event, Instant now, Duration wall_now) {
 }
 
 void FlightRecorder::end_job() {
-    const RecordingOrder& order = job_->order();
     while (!job_->done()) {
         const timespec pause{.tv_sec = 0, .tv_nsec = 1'000'000};
         ::nanosleep(&pause, nullptr);
     }
+    const RecordingOrder& order = job_->order();
     const RecordingJob::Result& result = job_->result();
-    if (result) {
+    if (!job_->prepared()) {
+        log_warning(
+            "recorder: the process before this one crashed or was killed; nothing of it is "
+            "written: {}",
+            result.error());
+    } else if (result) {
         log_info("recorder: wrote {}: {}", result->string(), order.reason);
     } else {
         log_error(
@@ -301,8 +335,9 @@ void FlightRecorder::end_job() {
             "recording; free some space, or set another directory in [recorder]",
             order.reason, result.error());
     }
-    if (ring_directory_ && order.kind == "crash") {
-        result ? ring_directory_->remove_left() : ring_directory_->put_left_back();
+    if (std::exchange(job_is_left_, false)) {
+        result || !job_->prepared() ? ring_directory_->remove_left()
+                                    : ring_directory_->put_left_back();
     }
     if (job_number_ != 0) {
         outcomes_[job_number_] = {.done = true, .result = result};

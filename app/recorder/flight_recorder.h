@@ -22,6 +22,16 @@
 
 namespace tribus {
 
+/// Why there is a recording.
+struct RecordedEvent {
+    std::string kind;
+    std::string reason;
+    Duration wall{};
+    Instant at{};
+    Instant due{};
+    std::uint64_t number = 0;  ///< 0: not requested by a client
+};
+
 /// Keeps what passes the ports in memory. Writes the latest of it to a folder when an output goes
 /// into failsafe, on request, and after a crash of the previous process. Another thread writes, so
 /// a slow disk delays neither the data thread nor the main thread. Thread-bound to the main thread.
@@ -61,14 +71,7 @@ class FlightRecorder {
         RingMemory memory;
         CaptureRing ring;
     };
-    struct Event {
-        std::string kind;
-        std::string reason;
-        Duration wall{};
-        Instant at{};
-        Instant due{};
-        std::uint64_t number = 0;  ///< 0: not requested by a client
-    };
+    using Event = RecordedEvent;
     /// Outcome of a requested recording.
     struct Outcome {
         bool done = false;
@@ -107,6 +110,8 @@ class FlightRecorder {
     std::optional<Event> request_;
     Instant quiet_until_{};
     std::unique_ptr<RecordingJob> job_;
+    /// The job writes what a crashed process left.
+    bool job_is_left_ = false;
     std::uint64_t job_number_ = 0;
     std::uint64_t requests_ = 0;
     std::map<std::uint64_t, Outcome> outcomes_;

@@ -13,8 +13,6 @@ namespace {
 
 using Failed = tl::unexpected<std::string>;
 
-/// Larger than any configuration with the files that it names.
-constexpr std::size_t kMostPlanBytes = std::size_t{64} * 1024 * 1024;
 /// Upper limit of `memory` in [recorder].
 constexpr std::size_t kMostRingBytes = std::size_t{64} * 1024 * 1024;
 

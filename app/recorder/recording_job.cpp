@@ -1,6 +1,8 @@
 #include "app/recorder/recording_job.h"
 
+#include <cstddef>
 #include <cstring>
+#include <exception>
 #include <utility>
 
 namespace tribus {
@@ -11,36 +13,59 @@ constexpr std::size_t kStackBytes = std::size_t{256} * 1024;
 
 }  // namespace
 
+RecordingJob::Result RecordingJob::write() {
+    if (prepare_) {
+        auto work = prepare_();
+        if (!work) {
+            prepared_ = false;
+            return tl::unexpected(work.error());
+        }
+        work_ = std::move(*work);
+        for (std::size_t i = 0; i < work_.rings.size(); ++i) {
+            work_.order.ports[i].ring = &work_.rings[i];
+        }
+    }
+    return write_recording(work_.order);
+}
+
 void* RecordingJob::main(void* self) {
     auto& job = *static_cast<RecordingJob*>(self);
     ::pthread_setname_np(::pthread_self(), "tribus-recorder");
-    job.result_ = write_recording(job.order_);
+    // What a crash left may be damaged, and ask for more memory than there is.
+    try {
+        job.result_ = job.write();
+    } catch (const std::exception& error) {
+        job.result_ = tl::unexpected<std::string>(error.what());
+    }
     job.done_.store(true, std::memory_order_release);
     return nullptr;
 }
 
-std::unique_ptr<RecordingJob> RecordingJob::start(RecordingOrder order,
-                                                  std::vector<RingMemory> kept,
-                                                  std::vector<CaptureRing> rings) {
+std::unique_ptr<RecordingJob> RecordingJob::start(RecordingOrder order) {
     std::unique_ptr<RecordingJob> job(new RecordingJob);
-    job->order_ = std::move(order);
-    job->kept_ = std::move(kept);
-    job->rings_ = std::move(rings);
-    for (std::size_t i = 0; i < job->rings_.size(); ++i) {
-        job->order_.ports[i].ring = &job->rings_[i];
-    }
+    job->work_.order = std::move(order);
+    job->start_thread();
+    return job;
+}
+
+std::unique_ptr<RecordingJob> RecordingJob::start(Prepare prepare) {
+    std::unique_ptr<RecordingJob> job(new RecordingJob);
+    job->prepare_ = std::move(prepare);
+    job->start_thread();
+    return job;
+}
+
+void RecordingJob::start_thread() {
     pthread_attr_t attributes;
     ::pthread_attr_init(&attributes);
     ::pthread_attr_setstacksize(&attributes, kStackBytes);
-    const int error = ::pthread_create(&job->thread_, &attributes, &RecordingJob::main, job.get());
+    const int error = ::pthread_create(&thread_, &attributes, &RecordingJob::main, this);
     ::pthread_attr_destroy(&attributes);
-    job->started_ = error == 0;
+    started_ = error == 0;
     if (error != 0) {
-        job->result_ =
-            tl::unexpected(std::string("cannot create a thread: ") + std::strerror(error));
-        job->done_ = true;
+        result_ = tl::unexpected(std::string("cannot create a thread: ") + std::strerror(error));
+        done_ = true;
     }
-    return job;
 }
 
 RecordingJob::~RecordingJob() {

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,16 +16,24 @@
 
 namespace tribus {
 
+/// What is written, and what holds its rings, one for each port of the order.
+struct PreparedRecording {
+    RecordingOrder order;
+    std::vector<RingMemory> kept;
+    std::vector<CaptureRing> rings;
+};
+
 /// Writes one recording on a thread of its own, so that nobody waits for a slow disk. Thread-bound
 /// to the main thread.
 class RecordingJob {
   public:
     using Result = tl::expected<std::filesystem::path, std::string>;
+    using Prepare = std::function<tl::expected<PreparedRecording, std::string>()>;
 
-    /// The rings of the order must outlive the job, or lie in `kept`.
-    static std::unique_ptr<RecordingJob> start(RecordingOrder order,
-                                               std::vector<RingMemory> kept = {},
-                                               std::vector<CaptureRing> rings = {});
+    /// The rings of the order must outlive the job.
+    static std::unique_ptr<RecordingJob> start(RecordingOrder order);
+    /// `prepare` runs on the thread of the job, and what it needs must outlive the job.
+    static std::unique_ptr<RecordingJob> start(Prepare prepare);
     RecordingJob(const RecordingJob&) = delete;
     RecordingJob& operator=(const RecordingJob&) = delete;
     /// Waits for the end of the job.
@@ -34,15 +43,20 @@ class RecordingJob {
     bool done() const { return done_.load(std::memory_order_acquire); }
     /// Call it when `done` is true.
     const Result& result() const { return result_; }
-    const RecordingOrder& order() const { return order_; }
+    /// False: `result` says why there is nothing to write. Call it when `done` is true.
+    bool prepared() const { return prepared_; }
+    /// Call it when `done` is true.
+    const RecordingOrder& order() const { return work_.order; }
 
   private:
     RecordingJob() = default;
     static void* main(void* self);
+    void start_thread();
+    Result write();
 
-    RecordingOrder order_;
-    std::vector<RingMemory> kept_;
-    std::vector<CaptureRing> rings_;
+    Prepare prepare_;
+    PreparedRecording work_;
+    bool prepared_ = true;
     Result result_{};
     std::atomic<bool> done_{false};
     bool started_ = false;

@@ -229,9 +229,16 @@ std::string plan_to_text(const RecordingPlan& plan) {
 }
 
 std::optional<RecordingPlan> plan_from_text(std::string_view text) {
+    constexpr int kMostDepth = 4;
+    constexpr std::size_t kMostValues = 100'000;
+    std::size_t values = 0;
+    // What is left out takes no memory: a value needs many times that of its text.
+    const auto fits = [&values](int depth, Json::parse_event_t /*event*/, Json& /*parsed*/) {
+        return depth <= kMostDepth && ++values <= kMostValues;
+    };
     // The library throws if a key is missing or has the wrong type.
     try {
-        const Json json = Json::parse(text);
+        const Json json = Json::parse(text, fits);
         RecordingPlan plan;
         plan.begin = Instant(nanoseconds_in(json.at("begin_ns")));
         plan.replay = json.at("replay").get<std::string>();

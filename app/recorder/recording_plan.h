@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,6 +24,10 @@ struct RecordingPlan {
     /// When the recording began.
     Instant begin{};
 };
+
+/// Upper limit of the text of a plan: larger than the usual configurations with the files that they
+/// name.
+inline constexpr std::size_t kMostPlanBytes = std::size_t{16} * 1024 * 1024;
 
 /// The plan for `ports`, which need not be all ports of the configuration. Pure.
 RecordingPlan plan_recording(const Configuration& configuration, const std::vector<PortPlan>& ports,

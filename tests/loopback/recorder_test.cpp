@@ -189,6 +189,23 @@ TEST_F(Recorded, ADamagedRingStopsNoStart) {
     EXPECT_FALSE(fs::exists(runtime_.path() / "recorder-left"));
 }
 
+/// What a former run left is read beside the outputs: the log tells of the start before it tells
+/// what came of that.
+TEST_F(Recorded, AHugePlanThatWasLeftDelaysNoFrame) {
+    for (const std::size_t megabytes : {15U, 50U}) {
+        fs::create_directory(runtime_.path() / "recorder");
+        std::ofstream(runtime_.path() / "recorder" / "plan.json")
+            << "{\"lacks\":[" << std::string(megabytes * 500'000, '[') << "\n"
+            << std::string(megabytes * 500'000, '1');
+        Program& program = run_service(config_with(""));
+        EXPECT_TRUE(drive({1234})) << program.errors();
+        EXPECT_TRUE(program.says("nothing of it is written")) << program.errors();
+        const std::string log = program.errors();
+        EXPECT_LT(log.find("info started"), log.find("nothing of it is written")) << log;
+        expect_clean_end(program);
+    }
+}
+
 /// The program would wait for a FIFO in place of the plan. A FIFO in the recorder's folder is worse
 /// than any other file.
 TEST_F(Recorded, AFifoThatWasLeftStopsNoStart) {
