@@ -165,17 +165,6 @@ Configuration finish(Draft draft, std::string_view file_name) {
     return configuration;
 }
 
-/// On a line with a mistake of syntax, reports only that mistake.
-Mistakes without_follow_ons(const Mistakes& meaning, const Mistakes& syntax) {
-    Mistakes own(meaning.file());
-    for (const Mistake& mistake : meaning.sorted()) {
-        if (!syntax.on_line(mistake.where.line)) {
-            own.add(mistake);
-        }
-    }
-    return own;
-}
-
 }  // namespace
 
 tl::expected<Configuration, std::vector<Mistake>> load_configuration(std::string_view text,
@@ -200,7 +189,8 @@ tl::expected<Configuration, std::vector<Mistake>> load_configuration(std::string
     Draft draft = read_draft(document, meaning, warnings);
     Mistakes all = std::move(characters);
     all.add(syntax);
-    all.add(without_follow_ons(meaning, syntax));
+    // On a line with a mistake of syntax, only that counts.
+    all.add(meaning.without_lines_of(syntax));
     if (!all.empty()) {
         return tl::unexpected(all.sorted());
     }

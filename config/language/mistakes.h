@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "config/schema/schema.h"
@@ -25,32 +27,42 @@ bool may_be_temporary(std::span<const Mistake> mistakes);
 /// Formats a mistake as `file:line:column: what is wrong; what is allowed`.
 std::string format_mistake(const Mistake& mistake);
 
-/// Collects the mistakes of one file. Thread-bound.
+/// Collects the mistakes of one file: the texts of some, and the number of all. Thread-bound.
 class Mistakes {
   public:
+    /// Nobody reads more of them, and each text costs time.
+    static constexpr std::size_t kMostTexts = 100;
+
     explicit Mistakes(std::string_view file) : file_(file) {}
 
-    void add(Location where, std::string text) {
-        mistakes_.push_back({file_, where, std::move(text)});
-    }
+    void add(Location where, std::string text) { add({file_, where, std::move(text)}); }
     /// Adds a mistake with `out_of_reach`.
     void add_out_of_reach(Location where, std::string text) {
-        mistakes_.push_back({file_, where, std::move(text), true});
+        add({file_, where, std::move(text), true});
     }
-    void add(Mistake mistake) { mistakes_.push_back(std::move(mistake)); }
-    void add(const Mistakes& others) {
-        mistakes_.insert(mistakes_.end(), others.mistakes_.begin(), others.mistakes_.end());
-    }
+    void add(Mistake mistake);
+    void add(const Mistakes& others);
     bool empty() const { return mistakes_.empty(); }
+    /// Whether the text of a further mistake is of no use. `count` takes it then.
+    bool full() const { return mistakes_.size() >= kMostTexts; }
+    void count() { count(1, false); }
     /// Whether there is a mistake on that line.
     bool on_line(unsigned line) const;
     const std::string& file() const { return file_; }
-    /// Sorted by line and column. Mistakes at the same place keep their order.
+    /// Without those on lines where `others` has a mistake.
+    Mistakes without_lines_of(const Mistakes& others) const;
+    /// Sorted by line and column. Mistakes at the same place keep their order. If some have no
+    /// text, the last one is of the whole file, and says how many.
     std::vector<Mistake> sorted() const;
 
   private:
+    void count(std::size_t further, bool out_of_reach);
+
     std::string file_;
     std::vector<Mistake> mistakes_;
+    /// Those without a text.
+    std::size_t further_ = 0;
+    bool further_out_of_reach_ = true;
 };
 
 /// Hint for a wrong word: `did you mean "x"? Allowed: "x", "y"` or `allowed: ...`.

@@ -69,6 +69,10 @@ void report_other_place(const TableRef& ref, const Entry& entry, const Key& plac
 
 void report_unknown(const TableRef& ref, const Entry& entry, std::span<const Key> keys,
                     Mistakes& mistakes) {
+    if (mistakes.full()) {
+        mistakes.count();
+        return;
+    }
     const auto names = names_of(keys);
     const std::string unknown =
         fmt::format("unknown {} {} in {}; ", entry.value.as<Table>() == nullptr ? "key" : "table",
@@ -101,7 +105,9 @@ std::vector<TableContent::Item> match(const TableRef& ref, std::span<const Key> 
             continue;
         }
         const Key* place = place_instead(entry.key, ref, keys);
-        const Key* meant = place != nullptr ? place : meant_key(entry.key, keys);
+        const Key* meant = place != nullptr  ? place
+                           : mistakes.full() ? nullptr
+                                             : meant_key(entry.key, keys);
         const bool taken = std::any_of(items.begin(), items.end(),
                                        [meant](const auto& item) { return item.key == meant; });
         if (place != nullptr) {
@@ -174,6 +180,10 @@ std::string meaning_of(const Setting& setting) {
 
 void report_missing(const TableRef& ref, const Key& key, Reading reading) {
     if (reading.lost.affects(ref.where)) {
+        return;
+    }
+    if (reading.mistakes.full()) {
+        reading.mistakes.count();
         return;
     }
     const Protocol* const protocol = find_protocol(ref.protocol);
