@@ -17,6 +17,7 @@
 
 #include "app/cli/complain.h"
 #include "app/cli/exit_status.h"
+#include "app/journal/print_error.h"
 #include "config/show/paragraph.h"
 
 namespace tribus {
@@ -69,9 +70,14 @@ tl::expected<std::string, std::string> InputFile::read_some() {
     return bytes;
 }
 
-tl::expected<std::string, std::string> InputFile::read_all() {
-    std::string content;
-    while (true) {
+tl::expected<std::string, std::string> InputFile::read_all(std::string beginning) {
+    std::string content = std::move(beginning);
+    const bool piped = !is_whole();
+    if (piped) {
+        // Growing would take twice the memory.
+        content.reserve(kMostPipedBytes + kReadSize);
+    }
+    while (!piped || content.size() <= kMostPipedBytes) {
         auto bytes = read_some();
         if (!bytes || bytes->empty()) {
             return bytes ? tl::expected<std::string, std::string>(std::move(content))
@@ -79,6 +85,9 @@ tl::expected<std::string, std::string> InputFile::read_all() {
         }
         content += *bytes;
     }
+    return tl::unexpected(
+        fmt::format("{}: more than {} MiB, and no end; save it as a file and name that", name_,
+                    kMostPipedBytes / (std::size_t{1024} * 1024)));
 }
 
 void InputFile::rewind() {
@@ -100,11 +109,11 @@ tl::expected<std::unique_ptr<FilePieces>, std::string> FilePieces::of(InputFile 
     if (pieces->file_.is_whole()) {
         pieces->file_.rewind();
     } else {
-        auto content = pieces->file_.read_all();
+        auto content = pieces->file_.read_all(std::move(beginning));
         if (!content) {
             return tl::unexpected(std::move(content.error()));
         }
-        pieces->piece_ = std::move(beginning) + *content;
+        pieces->piece_ = std::move(*content);
         pieces->whole_.emplace(pieces->piece_);
     }
     return pieces;
@@ -158,7 +167,7 @@ std::size_t text_columns(int descriptor) {
 
 void tell_person(std::string_view text, std::string_view first) {
     const std::string rest(first.size(), ' ');
-    fmt::print(stderr, "{}", paragraph(first, rest, text, text_columns(STDERR_FILENO)));
+    print_error("{}", paragraph(first, rest, text, text_columns(STDERR_FILENO)));
 }
 
 int finish_standard_output(int status) {

@@ -18,6 +18,9 @@
 /// Files and standard streams of the subcommands that convert between formats.
 namespace tribus {
 
+/// Upper limit of what is kept of a pipe or device, which may have no end.
+inline constexpr std::size_t kMostPipedBytes = std::size_t{8} * 1024 * 1024;
+
 /// A file, or standard input for "-" or an empty name. Reading blocks. Errors are `name: reason`.
 /// Thread-bound.
 class InputFile {
@@ -33,8 +36,8 @@ class InputFile {
     bool is_whole() const;
     /// The bytes that are there, at least one; empty at the end.
     tl::expected<std::string, std::string> read_some();
-    /// Everything up to the end.
-    tl::expected<std::string, std::string> read_all();
+    /// `beginning` and everything up to the end. More than kMostPipedBytes of a pipe is an error.
+    tl::expected<std::string, std::string> read_all(std::string beginning = {});
     /// Reads again from where it was opened, which is not always the start of standard input. Only
     /// for a regular file.
     void rewind();

@@ -25,12 +25,20 @@ void FrameCollector::look_for_pause(std::size_t count, Instant at) {
 
 void FrameCollector::keep(const DecodedFrame& found, Instant at) {
     pauses_.frame_came(found.first_byte, found.length);
-    frames_.push_back({at, found.channels});
+    keep(found.channels, at);
+}
+
+void FrameCollector::keep(const ChannelFrame& frame, Instant at) {
+    // Growing would take twice the memory.
+    frames_.reserve(kMostFrames);
+    if (!full()) {
+        frames_.push_back({at, frame});
+    }
 }
 
 void FrameCollector::receive(const CanFrame& frame, Instant at) {
     if (const auto snapshot = std::get<std::unique_ptr<CanDecoder>>(decoder_)->next(frame, at)) {
-        frames_.push_back({at, *snapshot});
+        keep(*snapshot, at);
     }
 }
 

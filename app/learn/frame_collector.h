@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "app/learn/loss_rules.h"
@@ -14,9 +16,12 @@
 
 namespace tribus {
 
-/// Decodes what one input receives and keeps every frame. Thread-bound.
+/// Decodes what one input receives and keeps its frames. Thread-bound.
 class FrameCollector {
   public:
+    /// Some ten minutes of a usual receiver.
+    static constexpr std::size_t kMostFrames = 100'000;
+
     explicit FrameCollector(const InputConfig& input);
 
     template <class DamagedMarks>
@@ -33,11 +38,15 @@ class FrameCollector {
     void receive(const CanFrame& frame, Instant at);
 
     const std::vector<StudiedFrame>& frames() const { return frames_; }
+    std::vector<StudiedFrame> take_frames() { return std::move(frames_); }
+    /// Whether further frames are left out.
+    bool full() const { return frames_.size() >= kMostFrames; }
 
   private:
     void look_for_pause(std::size_t count, Instant at);
     void decode(std::span<const std::uint8_t> bytes, Instant at);
     void keep(const DecodedFrame& found, Instant at);
+    void keep(const ChannelFrame& frame, Instant at);
 
     ByteDecoder& byte_decoder() { return *std::get<std::unique_ptr<ByteDecoder>>(decoder_); }
 

@@ -22,6 +22,7 @@
 #include "app/cli/exit_status.h"
 #include "app/cli/load_or_explain.h"
 #include "app/cli/streams.h"
+#include "app/journal/print_error.h"
 #include "app/learn/frame_collector.h"
 #include "app/learn/learn_live.h"
 #include "app/learn/learn_pad.h"
@@ -96,10 +97,13 @@ tl::expected<LearnedFrames, std::string> frames_of_recording(const LearnOptions&
     if (!arrivals) {
         return Refused(arrivals.error());
     }
+    for (const std::string& rest : arrivals->rests()) {
+        print_error("{}\n", rest);
+    }
     FrameCollector collector(configuration.inputs[input]);
     LearnedFrames learned{.frames = {}, .times = *times};
     auto arrival = arrivals->next();
-    for (; arrival && *arrival != nullptr; arrival = arrivals->next()) {
+    for (; arrival && *arrival != nullptr && !collector.full(); arrival = arrivals->next()) {
         const Instant at = (*arrival)->at;
         if (const auto* frame = std::get_if<CanFrame>(&(*arrival)->what)) {
             collector.receive(*frame, at);
@@ -110,7 +114,12 @@ tl::expected<LearnedFrames, std::string> frames_of_recording(const LearnOptions&
     if (!arrival) {
         return Refused(arrival.error());
     }
-    learned.frames = collector.frames();
+    if (collector.full()) {
+        return Refused(fmt::format(
+            "{}: more than {} frames; keep the minutes around --off-at and --back-at only",
+            options.recording, FrameCollector::kMostFrames));
+    }
+    learned.frames = collector.take_frames();
     return learned;
 }
 
@@ -119,10 +128,10 @@ void print(const LossStudyResult& study, std::string_view file, std::string_view
         tell_person(finding, "- ");
     }
     for (const std::string& advice : study.advice) {
-        fmt::print(stderr, "\n");
+        print_error("\n");
         tell_person(advice);
     }
-    fmt::print(stderr, "\n");
+    print_error("\n");
     if (!study.recognised) {
         tell_person("The loss of this link is not recognised.");
         return;
@@ -133,7 +142,7 @@ void print(const LossStudyResult& study, std::string_view file, std::string_view
     }
     tell_person(fmt::format(
         "The loss of this link is recognised with these lines in [input.{}] of {}:", input, file));
-    fmt::print(stderr, "\n");
+    print_error("\n");
     for (const std::string& line : study.lines) {
         fmt::print("{}\n", line);
     }

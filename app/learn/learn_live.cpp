@@ -178,6 +178,11 @@ tl::expected<LearnedFrames, std::string> watch_with_a_person(const Configuration
         return tl::unexpected(fmt::format("{}: the device or the terminal is gone; nothing learned",
                                           configuration.inputs[input].port.device));
     }
+    if (watch.collector().full()) {
+        return tl::unexpected(
+            fmt::format("more than {} frames came, which takes too long; begin again",
+                        FrameCollector::kMostFrames));
+    }
     learned.frames = watch.collector().frames();
     return learned;
 }

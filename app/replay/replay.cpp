@@ -19,10 +19,14 @@
 #include "app/cli/main_wait.h"
 #include "app/cli/protocol_use.h"
 #include "app/cli/streams.h"
+#include "app/journal/print_error.h"
 #include "app/replay/replay_target.h"
 #include "core/quantity.h"
 #include "pipelines/realtime/clock.h"
+#include "transports/recordings/pieces.h"
 #include "transports/recordings/recording.h"
+#include "transports/recordings/recording_source.h"
+#include "transports/recordings/time_steps.h"
 
 namespace tribus {
 namespace {
@@ -165,19 +169,19 @@ double milliseconds(Duration duration) {
 void report(Figures& figures, bool can, Duration took) {
     auto& late = figures.lateness;
     std::ranges::sort(late);
-    fmt::print(stderr, "sent {} {} in {:.1f} s", late.size(), can ? "frames" : "bursts",
-               milliseconds(took) / 1000);
+    print_error("sent {} {} in {:.1f} s", late.size(), can ? "frames" : "bursts",
+                milliseconds(took) / 1000);
     if (!late.empty()) {
-        fmt::print(stderr, "; late by {:.3f} ms (median), {:.3f} ms (worst)",
-                   milliseconds(late[late.size() / 2]), milliseconds(late.back()));
+        print_error("; late by {:.3f} ms (median), {:.3f} ms (worst)",
+                    milliseconds(late[late.size() / 2]), milliseconds(late.back()));
     }
     if (figures.skipped > 0) {
-        fmt::print(stderr, "; {} left out, more than 50 ms late", figures.skipped);
+        print_error("; {} left out, more than 50 ms late", figures.skipped);
     }
     if (figures.refused > 0) {
-        fmt::print(stderr, "; {} lost, no room or nobody reads", figures.refused);
+        print_error("; {} lost, no room or nobody reads", figures.refused);
     }
-    fmt::print(stderr, "\n");
+    print_error("\n");
 }
 
 tl::expected<Recording, std::string> load(const std::string& path) {
@@ -189,7 +193,19 @@ tl::expected<Recording, std::string> load(const std::string& path) {
     if (!content) {
         return tl::unexpected(content.error());
     }
-    return parse_recording(*content, path);
+    auto recording = parse_recording(*content, path);
+    if (!recording) {
+        return recording;
+    }
+    OnePiece piece(*content);
+    RecordingInPieces whole(piece, path, recording->kind);
+    if (whole.judge(); whole.gap()) {
+        return tl::unexpected(gap_text(path, *whole.gap()));
+    }
+    if (recording->rest) {
+        print_error("{}\n", *recording->rest);
+    }
+    return recording;
 }
 
 int replay(const ReplayOptions& options) {

@@ -21,6 +21,7 @@
 
 #include "app/cli/exit_status.h"
 #include "app/cli/load_or_explain.h"
+#include "app/journal/print_error.h"
 #include "app/replay/simulate_inputs.h"
 #include "app/replay/simulate_log.h"
 #include "config/build/build.h"
@@ -88,7 +89,7 @@ class SinkFiles {
         bool fine = true;
         for (const auto& sink : sinks_) {
             if (sink != nullptr && !sink->finish()) {
-                fmt::print(stderr, "{}\n", cannot_write(sink->path));
+                print_error("{}\n", cannot_write(sink->path));
                 fine = false;
             }
         }
@@ -262,14 +263,14 @@ void print_buses(const Configuration& configuration, const ValueEngine& values) 
         const SensorBusState state = values.bus_state(bus);
         const std::string& name = configuration.sensor_buses[bus].name;
         if (state.is_receiver) {
-            fmt::print(stderr, "sensor bus {}: {}, {}, {} found\n", name,
-                       counted(state.receiver.requests, "request"),
-                       counted(state.receiver.replies, "reply", "replies"),
-                       counted(state.found_count, "sensor"));
+            print_error("sensor bus {}: {}, {}, {} found\n", name,
+                        counted(state.receiver.requests, "request"),
+                        counted(state.receiver.replies, "reply", "replies"),
+                        counted(state.found_count, "sensor"));
         } else {
-            fmt::print(stderr, "sensor bus {}: {}, {} answered, {} without a value\n", name,
-                       counted(state.sensor.requests, "request"), state.sensor.answered,
-                       state.sensor.stale);
+            print_error("sensor bus {}: {}, {} answered, {} without a value\n", name,
+                        counted(state.sensor.requests, "request"), state.sensor.answered,
+                        state.sensor.stale);
         }
     }
 }
@@ -280,21 +281,21 @@ void print_summary(const Engine& engine) {
         for (const NamedCount& cause : input.decoder().rejected()) {
             rejected += cause.count;
         }
-        fmt::print(stderr, "input {}: {}, {}, {} rejected\n", input.name(),
-                   counted(input.counts().bytes, "byte"), counted(input.counts().frames, "frame"),
-                   rejected);
+        print_error("input {}: {}, {}, {} rejected\n", input.name(),
+                    counted(input.counts().bytes, "byte"), counted(input.counts().frames, "frame"),
+                    rejected);
     }
     for (const Output& output : engine.outputs()) {
-        fmt::print(stderr, "output {}: {}, {} into failsafe, {}\n", output.name(),
-                   counted(output.counts().frames, "frame"),
-                   counted(output.counts().failsafe_entries, "time"),
-                   counted(output.counts().recoveries, "recovery", "recoveries"));
+        print_error("output {}: {}, {} into failsafe, {}\n", output.name(),
+                    counted(output.counts().frames, "frame"),
+                    counted(output.counts().failsafe_entries, "time"),
+                    counted(output.counts().recoveries, "recovery", "recoveries"));
     }
 }
 
 int simulate(const SimulateOptions& options) {
     const auto complain = [](const std::string& text, int status) {
-        fmt::print(stderr, "{}\n", text);
+        print_error("{}\n", text);
         return status;
     };
     const auto configuration = load_or_explain(options.config);
@@ -327,6 +328,9 @@ int simulate(const SimulateOptions& options) {
     auto files = SinkFiles::open(*out, sinks.size());
     if (!files) {
         return complain(files.error(), kExitFailed);
+    }
+    for (const std::string& rest : arrivals->rests()) {
+        print_error("{}\n", rest);
     }
     const auto engine = build_engine(*configuration);
     const auto values = build_value_engine(*configuration, *engine);

@@ -18,6 +18,7 @@
 #include "transports/recordings/recording.h"
 #include "transports/recordings/recording_source.h"
 #include "transports/recordings/text.h"
+#include "transports/recordings/time_steps.h"
 
 namespace tribus {
 namespace {
@@ -92,8 +93,12 @@ class Arrivals::Recorded {
     bool ended() const { return ended_; }
     const Arrival& next() const { return next_; }
 
+    /// Why the rest of the recording is not played; nothing if all of it is.
+    const std::optional<std::string>& rest() const { return rest_; }
+
   private:
-    tl::expected<void, std::string> choose_interface();
+    tl::expected<void, std::string> judge();
+    tl::expected<void, std::string> choose_interface(const std::vector<std::string>& names);
     tl::expected<void, std::string> advance_log();
     tl::expected<void, std::string> read_burst();
     tl::expected<void, std::string> ended_with(std::optional<std::string> failed);
@@ -114,13 +119,16 @@ class Arrivals::Recorded {
     Duration start_{};
     Arrival next_;
     bool ended_ = false;
+    std::optional<std::string> rest_;
 };
 
 tl::expected<void, std::string> Arrivals::Recorded::begin() {
-    if (kind_ == RecordingKind::candump) {
-        if (auto chosen = choose_interface(); !chosen) {
-            return chosen;
+    if (kind_ != RecordingKind::raw) {
+        if (auto judged = judge(); !judged) {
+            return judged;
         }
+    }
+    if (kind_ == RecordingKind::candump) {
         log_.emplace(*pieces_, path_);
     } else {
         bursts_.emplace(*pieces_, path_, kind_);
@@ -135,12 +143,27 @@ tl::expected<void, std::string> Arrivals::Recorded::ended_with(std::optional<std
                   : tl::expected<void, std::string>{};
 }
 
-tl::expected<void, std::string> Arrivals::Recorded::choose_interface() {
-    RecordingInPieces log(*pieces_, path_, kind_);
-    if (const auto judged = log.judge(); !judged) {
+/// Finds what is wrong with the recording before any of it is played.
+tl::expected<void, std::string> Arrivals::Recorded::judge() {
+    RecordingInPieces recording(*pieces_, path_, kind_);
+    if (const auto judged = recording.judge(); !judged) {
         return ended_with(judged.error());
     }
-    const std::vector<std::string>& names = log.interfaces();
+    if (recording.gap()) {
+        return ended_with(gap_text(path_, *recording.gap()));
+    }
+    rest_ = recording.rest();
+    if (kind_ == RecordingKind::candump) {
+        if (auto chosen = choose_interface(recording.interfaces()); !chosen) {
+            return chosen;
+        }
+    }
+    pieces_->rewind();
+    return {};
+}
+
+tl::expected<void, std::string> Arrivals::Recorded::choose_interface(
+    const std::vector<std::string>& names) {
     const std::string& own = source_.port->device;
     const bool has_own = std::ranges::find(names, own) != names.end();
     if (!has_own && names.size() > 1) {
@@ -150,7 +173,6 @@ tl::expected<void, std::string> Arrivals::Recorded::choose_interface() {
             path_, in_quotes_all(views), in_quotes(own), title_of(source_)));
     }
     interface_ = has_own ? own : std::string();
-    pieces_->rewind();
     return {};
 }
 
@@ -234,6 +256,9 @@ tl::expected<Arrivals, std::string> Arrivals::open(const std::map<std::size_t, s
             std::make_unique<Recorded>(std::move(*pieces), path, *kind, index, source));
         if (auto begun = recorded->begin(); !begun) {
             return tl::unexpected(begun.error());
+        }
+        if (recorded->rest()) {
+            arrivals.rests_.push_back(*recorded->rest());
         }
     }
     return arrivals;

@@ -66,6 +66,9 @@ class Arrivals {
     /// above, nothing can be read.
     tl::expected<const Arrival*, std::string> next();
 
+    /// For each recording that is not played to its end: why, as `file:line:column: text`.
+    const std::vector<std::string>& rests() const { return rests_; }
+
   private:
     class Recorded;
 
@@ -73,6 +76,7 @@ class Arrivals {
 
     /// In the order of the sources.
     std::vector<std::unique_ptr<Recorded>> recordings_;
+    std::vector<std::string> rests_;
     /// It gave the latest arrival.
     Recorded* latest_ = nullptr;
 };

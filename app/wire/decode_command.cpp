@@ -224,6 +224,9 @@ int decode_whole(FilePieces& content, const std::string& name, std::vector<Proto
                                                     : mistake_in_kind(judged.error(), *kind),
                     kExitFailed);
     }
+    if (recording.rest()) {
+        std::cerr << *recording.rest() << '\n';
+    }
     const int status = decode_judged(recording, name, std::move(uses), arguments);
     const auto& failed = content.failed() ? content.failed() : recording.failed();
     return failed ? fail(*failed, kExitFailed) : status;

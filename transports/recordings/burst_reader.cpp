@@ -11,6 +11,7 @@
 namespace tribus {
 namespace {
 
+using recording_text::cut_line_text;
 using recording_text::Line;
 using recording_text::Lines;
 using recording_text::Mistake;
@@ -19,6 +20,7 @@ using recording_text::parse_microseconds;
 using recording_text::quoted;
 using recording_text::Token;
 using recording_text::Tokens;
+using recording_text::too_long_line;
 using recording_text::trimmed;
 
 constexpr std::string_view kSaleaeHeading = "Time [s],Value,Parity Error,Framing Error";
@@ -156,18 +158,44 @@ BurstReader::BurstReader(Pieces& content, std::string_view file_name, RecordingK
 }
 
 BurstReader::Next BurstReader::next() {
+    return kind_ == RecordingKind::raw ? next_raw() : judged(next_of_kind());
+}
+
+BurstReader::Next BurstReader::next_of_kind() {
     switch (kind_) {
         case RecordingKind::hex:
             return next_hex();
         case RecordingKind::timed:
             return next_timed();
-        case RecordingKind::saleae:
+        default:
             return next_saleae();
-        case RecordingKind::raw:
-        case RecordingKind::candump:
-            break;
     }
-    return next_raw();
+}
+
+bool BurstReader::next_line(Line& line) {
+    if (!lines_->next(line)) {
+        return false;
+    }
+    latest_ = line;
+    return !line.too_long;
+}
+
+BurstReader::Next BurstReader::judged(Next read) {
+    if (read && *read) {
+        any_ = true;
+        return read;
+    }
+    if (latest_.too_long) {
+        return too_long_line(file_, latest_);
+    }
+    if (read && lines_->ended_by_nul()) {
+        rest_ = lines_->nul_text(file_);
+    }
+    const bool cut = !read && any_ && !latest_.has_end;
+    if (cut) {
+        rest_ = cut_line_text(read.error());
+    }
+    return cut ? last_of_saleae() : read;
 }
 
 BurstReader::Next BurstReader::next_raw() {
@@ -182,12 +210,13 @@ BurstReader::Next BurstReader::next_raw() {
 
 BurstReader::Next BurstReader::next_hex() {
     Line line;
-    while (lines_->next(line)) {
+    while (next_line(line)) {
         auto burst = parse_bytes(file_, line, Tokens(line.text));
         if (!burst) {
             return Mistake(std::move(burst.error()));
         }
         if (!burst->bytes.empty()) {
+            line_ = line.number;
             return std::move(*burst);
         }
     }
@@ -199,7 +228,7 @@ BurstReader::Next BurstReader::next_timed() {
     Token time;
     std::optional<Tokens> tokens;
     do {
-        if (!lines_->next(line)) {
+        if (!next_line(line)) {
             return std::nullopt;
         }
         tokens.emplace(line.text);
@@ -226,13 +255,14 @@ BurstReader::Next BurstReader::next_timed() {
     }
     burst->start = start;
     previous_ = start;
+    line_ = line.number;
     return std::move(*burst);
 }
 
 /// A burst ends with the byte that begins the next one.
 BurstReader::Next BurstReader::next_saleae() {
     Line line;
-    while (lines_->next(line)) {
+    while (next_line(line)) {
         if (trimmed(line.text).empty()) {
             continue;
         }
@@ -248,18 +278,26 @@ BurstReader::Next BurstReader::next_saleae() {
         if (!byte) {
             return Mistake(byte.error());
         }
+        any_ = true;
         const bool goes_on = previous_ && byte->start - *previous_ < kBurstGap;
         Burst ended =
             goes_on
                 ? Burst{}
                 : std::exchange(begun_, Burst{.start = byte->start, .bytes = {}, .damaged = {}});
+        const unsigned ended_line = goes_on ? 0 : std::exchange(begun_line_, line.number);
         previous_ = byte->start;
         begun_.bytes.push_back(byte->value);
         begun_.damaged.push_back(byte->damaged);
         if (!ended.bytes.empty()) {
+            line_ = ended_line;
             return ended;
         }
     }
+    return last_of_saleae();
+}
+
+BurstReader::Next BurstReader::last_of_saleae() {
+    line_ = begun_.bytes.empty() ? line_ : begun_line_;
     Burst last = std::exchange(begun_, {});
     return last.bytes.empty() ? Next(std::nullopt) : Next(std::move(last));
 }

@@ -25,12 +25,22 @@ class BurstReader {
     /// `file:line:column: text`; nothing can be read after it.
     Next next();
     RecordingKind kind() const { return kind_; }
+    /// The line in which the latest burst begins; 0 for raw bytes.
+    unsigned line() const { return line_; }
+    /// Why the rest was not read, as `file:line:column: text`, once `next` gave nothing: the last
+    /// line is cut, or NUL bytes follow.
+    const std::optional<std::string>& rest() const { return rest_; }
 
   private:
     Next next_raw();
     Next next_hex();
     Next next_timed();
     Next next_saleae();
+    Next next_of_kind();
+    bool next_line(recording_text::Line& line);
+    /// What an end of the lines, or a mistake in the latest one, means.
+    Next judged(Next read);
+    Next last_of_saleae();
 
     Pieces& content_;
     std::string file_;
@@ -41,7 +51,14 @@ class BurstReader {
     std::optional<Duration> previous_;
     /// Saleae: the burst that the next rows may continue.
     Burst begun_;
+    unsigned begun_line_ = 0;
     bool heading_seen_ = false;
+    /// The latest line, whose text may be gone.
+    recording_text::Line latest_;
+    /// Whether there was a burst or a row.
+    bool any_ = false;
+    unsigned line_ = 0;
+    std::optional<std::string> rest_;
 };
 
 }  // namespace tribus

@@ -11,6 +11,7 @@
 namespace tribus {
 namespace {
 
+using recording_text::cut_line_text;
 using recording_text::Line;
 using recording_text::Lines;
 using recording_text::Mistake;
@@ -18,12 +19,17 @@ using recording_text::mistake_at;
 using recording_text::quoted;
 using recording_text::Token;
 using recording_text::Tokens;
+using recording_text::too_long_line;
 using recording_text::trimmed;
 
 constexpr Duration kMostStepBack = std::chrono::milliseconds(100);
 
 constexpr std::string_view kWhatALineIs =
     "; a line is (1436509052.249713) can0 123#1122, as candump -L and candump -l write it";
+
+constexpr std::string_view kDifferences =
+    "these times are differences from line to line, as candump -td writes them, so nobody knows "
+    "when a frame came; record with candump -L or -ta";
 
 /// Set in the id of a line that is an error frame of the kernel (CAN_ERR_FLAG).
 constexpr std::uint32_t kErrorFlag = 0x2000'0000;
@@ -219,7 +225,12 @@ tl::expected<std::optional<RecordedCanFrame>, std::string> CandumpReader::next(
         return mistake(time.column,
                        quoted(time.text) + " is not a time" + std::string(kWhatALineIs));
     }
-    if (log_start_ && *logged < latest_ - kMostStepBack) {
+    differences_.take(time.text.find('.') - 1, *logged);
+    const bool steps_back = log_start_ && *logged < latest_ - kMostStepBack;
+    if (differences_.certain() || (steps_back && differences_.possible())) {
+        return mistake(time.column, kDifferences);
+    }
+    if (steps_back) {
         return mistake(time.column,
                        "the time " + std::string(time.text) +
                            " is more than 100 ms before that of the line above (sort -s -k1,1 puts "
@@ -258,14 +269,34 @@ tl::expected<std::optional<RecordedCanFrame>, std::string> CandumpReader::next(
     return RecordedCanFrame{*logged - *log_start_, std::string(interface.text), *frame};
 }
 
+tl::expected<void, std::string> CandumpReader::finish() const {
+    return differences_.probable() ? mistake_at(file_, line_, 1, kDifferences)
+                                   : tl::expected<void, std::string>{};
+}
+
 tl::expected<std::optional<RecordedCanFrame>, std::string> CandumpFrames::next() {
     Line line;
     while (lines_.next(line)) {
+        if (line.too_long) {
+            return too_long_line(file_, line);
+        }
         // In this format '#' starts the data, not a comment.
         auto frame = reader_.next({line.text.data(), line.text.size() + line.comment.size()});
+        if (!frame && any_ && !line.has_end) {
+            rest_ = cut_line_text(frame.error());
+            break;
+        }
         if (!frame || *frame) {
+            any_ = true;
+            line_ = line.number;
             return frame;
         }
+    }
+    if (lines_.ended_by_nul()) {
+        rest_ = lines_.nul_text(file_);
+    }
+    if (auto finished = reader_.finish(); !finished) {
+        return Mistake(std::move(finished.error()));
     }
     return std::nullopt;
 }
@@ -285,6 +316,7 @@ tl::expected<Recording, std::string> parse_candump(std::string_view content,
         return Mistake(std::move(frame.error()));
     }
     recording.log = frames.facts();
+    recording.rest = frames.rest();
     return recording;
 }
 

@@ -12,6 +12,7 @@
 #include "transports/recordings/pieces.h"
 #include "transports/recordings/recording.h"
 #include "transports/recordings/text.h"
+#include "transports/recordings/time_steps.h"
 
 /// Logs of candump (`candump -L`, `candump -l`; docs/protocols/can.md, "candump logs"): one CAN
 /// frame per line.
@@ -32,6 +33,8 @@ class CandumpReader {
 
     /// The facts so far. The comment above the first line that sets the log's zero is
     /// `# zero (1436509052.249713)`, as the flight recorder writes it.
+    /// What is wrong with the log as a whole, once all lines are taken.
+    tl::expected<void, std::string> finish() const;
     LogFacts facts() const {
         return {.start = log_start_.value_or(Duration::zero()), .error_frames = error_frames_};
     }
@@ -41,6 +44,7 @@ class CandumpReader {
     unsigned line_ = 0;
     std::optional<Duration> log_start_;
     Duration latest_{};
+    DifferenceWatch differences_;
     std::uint64_t error_frames_ = 0;
 };
 
@@ -52,15 +56,26 @@ class CandumpFrames {
   public:
     /// `content` must outlive it, and stand at its start.
     CandumpFrames(Pieces& content, std::string_view file_name)
-        : lines_(content), reader_(file_name) {}
+        : lines_(content), file_(file_name), reader_(file_name) {}
 
     /// The next frame, nothing at the end. Errors as above.
     tl::expected<std::optional<RecordedCanFrame>, std::string> next();
+    /// What is wrong with the log as a whole, once all lines are taken.
+    tl::expected<void, std::string> finish() const;
     LogFacts facts() const { return reader_.facts(); }
+    /// The line of the latest frame.
+    unsigned line() const { return line_; }
+    /// Why the rest was not read, as `file:line:column: text`, once `next` gave nothing: the last
+    /// line is cut, or NUL bytes follow.
+    const std::optional<std::string>& rest() const { return rest_; }
 
   private:
     recording_text::Lines lines_;
+    std::string file_;
     CandumpReader reader_;
+    bool any_ = false;
+    unsigned line_ = 0;
+    std::optional<std::string> rest_;
 };
 
 }  // namespace tribus

@@ -29,6 +29,7 @@ tl::expected<Recording, std::string> parse_recording(std::string_view content,
     if (!burst) {
         return Mistake(std::move(burst.error()));
     }
+    recording.rest = reader.rest();
     return recording;
 }
 

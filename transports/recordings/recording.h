@@ -63,6 +63,8 @@ struct Recording {
     /// Only of a candump log, in the order of time.
     std::vector<RecordedCanFrame> can_frames;
     LogFacts log{};
+    /// Why the rest of the file was not read, as `file:line:column: text`.
+    std::optional<std::string> rest;
 };
 
 /// Whether the first bytes of an input can only be raw bytes: at least one in 16 does not occur in
@@ -70,7 +72,8 @@ struct Recording {
 bool looks_raw(std::string_view beginning);
 
 /// The kind that the content shows:
-/// - raw, if `looks_raw`; a file with fewer such bytes is refused, because it may be damaged text;
+/// - raw, if `looks_raw`, where NUL bytes behind the lines of a text do not count; a file with
+/// fewer such bytes is refused, because it may be damaged text;
 /// - saleae, if the first line starts with `Time [s]`;
 /// - candump, if the first line starts with `(`;
 /// - timed, if a comment above the data starts with `t_us`, or if every line starts with a decimal
@@ -85,8 +88,9 @@ tl::expected<RecordingKind, std::string> detect_recording_kind(Pieces& content,
                                                                std::string_view file_name);
 
 /// Reads a recording of a known kind, or of the kind that its content shows. Returns the first
-/// error as `file:line:column: text`. An empty file is a recording without bursts. Pure and
-/// reentrant.
+/// error as `file:line:column: text`; a mistake in a last line without a line end, and NUL bytes
+/// behind the text, are not errors but end it (`Recording::rest`). An empty file is a recording
+/// without bursts. Pure and reentrant.
 tl::expected<Recording, std::string> parse_recording(std::string_view content,
                                                      std::string_view file_name,
                                                      RecordingKind kind);

@@ -56,20 +56,26 @@ LogFacts RecordingInPieces::read(RecordingTaker& taker) {
         return read_log(taker);
     }
     BurstReader reader(content_, file_, kind_);
+    GapWatch gaps;
     auto burst = reader.next();
     for (std::size_t index = 0; burst && *burst; ++index, burst = reader.next()) {
+        gaps.take((*burst)->start.value_or(Duration::zero()), reader.line());
         taker.feed_burst(kind_ == RecordingKind::raw ? 0 : index, **burst);
     }
     if (!burst) {
         failed_ = std::move(burst.error());
     }
+    rest_ = reader.rest();
+    gap_ = gaps.first();
     return {};
 }
 
 LogFacts RecordingInPieces::read_log(RecordingTaker& taker) {
     CandumpFrames frames(content_, file_);
+    GapWatch gaps;
     auto frame = frames.next();
     for (; frame && *frame; frame = frames.next()) {
+        gaps.take((*frame)->at, frames.line());
         if (interface_.empty() || (*frame)->interface == interface_) {
             taker.feed_frame(**frame);
         }
@@ -77,6 +83,8 @@ LogFacts RecordingInPieces::read_log(RecordingTaker& taker) {
     if (!frame) {
         failed_ = std::move(frame.error());
     }
+    rest_ = frames.rest();
+    gap_ = gaps.first();
     return frames.facts();
 }
 

@@ -11,6 +11,7 @@
 
 #include "transports/recordings/pieces.h"
 #include "transports/recordings/recording.h"
+#include "transports/recordings/time_steps.h"
 
 namespace tribus {
 
@@ -73,6 +74,10 @@ class RecordingInPieces final : public RecordingSource {
     tl::expected<void, std::string> judge();
     /// The interfaces in a log that was judged, in the order in which they first appear.
     const std::vector<std::string>& interfaces() const { return interfaces_; }
+    /// Why the rest of a content that was judged is not read, as `file:line:column: text`.
+    const std::optional<std::string>& rest() const { return rest_; }
+    /// The first gap of more than an hour in a content that was judged.
+    const std::optional<TimeGap>& gap() const { return gap_; }
     /// Leaves out the frames of other interfaces.
     void select_interface(std::string name) { interface_ = std::move(name); }
 
@@ -88,6 +93,8 @@ class RecordingInPieces final : public RecordingSource {
     std::string file_;
     RecordingKind kind_;
     std::vector<std::string> interfaces_;
+    std::optional<std::string> rest_;
+    std::optional<TimeGap> gap_;
     /// Empty: all are read.
     std::string interface_;
     std::optional<std::string> failed_;

@@ -92,13 +92,19 @@ Lines::Lines(std::string_view content) : rest_(without_byte_order_mark(content))
 
 Lines::Lines(Pieces& pieces) : pieces_(&pieces), rest_(without_byte_order_mark(pieces.next())) {}
 
+void Lines::keep(std::string_view part) {
+    too_long_ = too_long_ || part.size() > kLongestLine - begun_.size();
+    begun_ += part.substr(0, kLongestLine - begun_.size());
+}
+
 /// Empty also at the end, which `ended_` tells.
 std::string_view Lines::whole_line() {
     begun_.clear();
+    too_long_ = false;
     std::size_t end = rest_.find('\n');
     while (end == std::string_view::npos) {
         // Bytes of a piece are gone with the next one.
-        begun_ += rest_;
+        keep(rest_);
         rest_ = pieces_ != nullptr ? pieces_->next() : std::string_view{};
         if (rest_.empty()) {
             ended_ = true;
@@ -108,7 +114,11 @@ std::string_view Lines::whole_line() {
     }
     const std::string_view in_piece = rest_.substr(0, end);
     rest_.remove_prefix(end + 1);
-    return begun_.empty() ? in_piece : std::string_view(begun_ += in_piece);
+    if (begun_.empty() && in_piece.size() <= kLongestLine) {
+        return in_piece;
+    }
+    keep(in_piece);
+    return begun_;
 }
 
 bool Lines::next(Line& line) {
@@ -116,12 +126,39 @@ bool Lines::next(Line& line) {
         return false;
     }
     const std::string_view whole = whole_line();
+    if (const std::size_t nul = whole.find('\0'); nul != std::string_view::npos) {
+        ended_ = true;
+        nul_column_ = static_cast<unsigned>(nul + 1);
+        return false;
+    }
     if (ended_ && whole.empty()) {
         return false;
     }
     const std::size_t comment = std::min(whole.find('#'), whole.size());
-    line = {++number_, whole.substr(0, comment), whole.substr(comment)};
+    line = {.number = ++number_,
+            .text = whole.substr(0, comment),
+            .comment = whole.substr(comment),
+            .has_end = !ended_,
+            .too_long = too_long_};
     return true;
+}
+
+std::string nul_text(std::string_view file, unsigned line, unsigned column) {
+    return mistake_at(file, line, column,
+                      "NUL bytes from here on, as a loss of power leaves them; the lines above are "
+                      "read")
+        .value();
+}
+
+Mistake too_long_line(std::string_view file, const Line& line) {
+    return mistake_at(file, line.number, 1,
+                      "a line of more than " + std::to_string(kLongestLine) +
+                          " characters; write one burst a line");
+}
+
+std::string cut_line_text(std::string_view mistake) {
+    return std::string(mistake) +
+           "; the file ends in this line, as a loss of power leaves it; the lines above are read";
 }
 
 bool Tokens::next(Token& token) {
@@ -140,9 +177,27 @@ bool Tokens::next(Token& token) {
     return true;
 }
 
+void Oddities::found(std::size_t column) {
+    if (count_ == 0) {
+        line_ = lines_before_ + 1;
+        column_ = static_cast<unsigned>(column);
+    }
+}
+
+/// More follows on the NUL bytes, so they are not the end of a text.
+void Oddities::take_nuls() {
+    count_ += std::exchange(nuls_, 0);
+}
+
 void Oddities::take(std::string_view piece) {
     std::size_t line_start = 0;
     for (std::size_t at = 0; at < piece.size(); ++at) {
+        if (piece[at] == '\0') {
+            found(begun_ + at - line_start + 1);
+            ++nuls_;
+            continue;
+        }
+        take_nuls();
         const Kind kind = kKinds[static_cast<unsigned char>(piece[at])];
         if (kind == Kind::plain) {
             continue;
@@ -154,9 +209,9 @@ void Oddities::take(std::string_view piece) {
             comment_ = false;
         } else if (kind == Kind::comment) {
             comment_ = true;
-        } else if ((kind == Kind::control || !comment_) && count_++ == 0) {
-            line_ = lines_before_ + 1;
-            column_ = static_cast<unsigned>(begun_ + at - line_start + 1);
+        } else if (kind == Kind::control || !comment_) {
+            found(begun_ + at - line_start + 1);
+            ++count_;
         }
     }
     begun_ += piece.size() - line_start;

@@ -13,6 +13,7 @@
 #include "config/language/mistakes.h"
 #include "core/quotes.h"
 #include "transports/recordings/candump.h"
+#include "transports/recordings/text.h"
 
 namespace tribus {
 namespace {
@@ -68,6 +69,7 @@ class LogReader {
 
     /// Returns false when reading must stop.
     bool take(std::string_view line) {
+        ++lines_;
         const auto read = reader_.next(line);
         if (!read) {
             messages_ << read.error() << '\n';
@@ -76,7 +78,9 @@ class LogReader {
         if (!*read) {
             return true;
         }
-        const RecordedCanFrame& frame = **read;
+        return take_frame(**read);
+    }
+    bool take_frame(const RecordedCanFrame& frame) {
         if (std::find(interfaces_.begin(), interfaces_.end(), frame.interface) ==
             interfaces_.end()) {
             interfaces_.push_back(frame.interface);
@@ -88,6 +92,20 @@ class LogReader {
             take_(frame);
         }
         return true;
+    }
+    /// The text behind the last line end, at the end of the input.
+    void take_last(std::string_view line) {
+        if (lines_ == 0) {
+            take(line);
+        } else if (auto read = reader_.next(line); !read) {
+            messages_ << recording_text::cut_line_text(read.error()) << '\n';
+        } else if (*read) {
+            take_frame(**read);
+        }
+    }
+    /// Where power was lost while the file was written.
+    void end_at_nul() {
+        messages_ << recording_text::nul_text(source_.name, lines_ + 1, 1) << '\n';
     }
     bool stop(std::string_view reason) {
         messages_ << "tribus: stopped, " << reason << '\n';
@@ -102,6 +120,10 @@ class LogReader {
             messages_ << "tribus: "
                       << no_such_interface(source_.name, source_.interface, interfaces_) << '\n';
         }
+        if (const auto sound = reader_.finish(); !sound && !failed_ && mistakes_ == 0) {
+            messages_ << sound.error() << '\n';
+            failed_ = true;
+        }
         return {.log = reader_.facts(), .failed = missing || failed_ || mistakes_ > 0};
     }
 
@@ -111,6 +133,7 @@ class LogReader {
     const std::function<void(const RecordedCanFrame&)>& take_;
     std::ostream& messages_;
     std::vector<std::string> interfaces_;
+    unsigned lines_ = 0;
     unsigned mistakes_ = 0;
     bool failed_ = false;
 };
@@ -137,10 +160,13 @@ CanLogEnd read_can_log(const CanLogSource& source,
     LineCutter cutter;
     bool going = true;
     while (going && results.good()) {
-        const std::string text = source.read();
+        std::string text = source.read();
         if (text.empty()) {
             break;
         }
+        const std::size_t size = text.size();
+        text.resize(std::min(text.find('\0'), text.size()));
+        const bool nul = text.size() < size;
         cutter.add(text);
         while (const auto line = cutter.next()) {
             if (going = reader.take(*line); !going) {
@@ -148,13 +174,17 @@ CanLogEnd read_can_log(const CanLogSource& source,
             }
         }
         results.flush();
+        if (going && nul) {
+            reader.end_at_nul();
+            return reader.finish();
+        }
         if (going && cutter.rest().size() > kLongestLine) {
             going = reader.stop(fmt::format(
                 "a line of more than {} characters is not a line of candump -L", kLongestLine));
         }
     }
     if (going && !cutter.rest().empty()) {
-        reader.take(cutter.rest());
+        reader.take_last(cutter.rest());
     }
     return reader.finish();
 }
