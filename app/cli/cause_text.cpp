@@ -74,6 +74,41 @@ std::string_view obstacle_text(SendObstacle obstacle) {
     return "";
 }
 
+std::string text_without_hearing(const OutputState& state, std::span<const std::string> inputs) {
+    switch (state.stage) {
+        case OutputStage::failsafe:
+            return state.forced           ? "in failsafe, forced"
+                   : state.awaits_release ? "in failsafe until release_when is true"
+                                          : "in failsafe";
+        case OutputStage::holding:
+            return state.marks_frame_lost
+                       ? "holding the last values, marked frame-lost"
+                       : "holding the last values, unmarked: its protocol has no frame-lost mark";
+        case OutputStage::cannot_send:
+            return "cannot send: " + std::string(obstacle_text(state.obstacle));
+        case OutputStage::control:
+            break;
+    }
+    return state.input == kNoInput ? "under control"
+                                   : fmt::format("under control of {}", inputs[state.input]);
+}
+
+std::string_view hearing_text(Hearing hearing) {
+    switch (hearing) {
+        case Hearing::not_awaited:
+            break;
+        case Hearing::heard:
+            return "; hears its module";
+        case Hearing::silent:
+            return "; hears nothing of its module: check that it has power, and the wire from it "
+                   "to the port's receiving pin";
+        case Hearing::unreadable:
+            return "; what comes back is no frame of a module: check \"baud\" here and in the "
+                   "module, and whether the line is inverted";
+    }
+    return "";
+}
+
 }  // namespace
 
 std::string as_word(std::string_view name) {
@@ -97,22 +132,7 @@ std::string_view output_state_word(OutputStage stage, bool sends) {
 }
 
 std::string output_text(const OutputState& state, std::span<const std::string> inputs) {
-    switch (state.stage) {
-        case OutputStage::failsafe:
-            return state.forced           ? "in failsafe, forced"
-                   : state.awaits_release ? "in failsafe until release_when is true"
-                                          : "in failsafe";
-        case OutputStage::holding:
-            return state.marks_frame_lost
-                       ? "holding the last values, marked frame-lost"
-                       : "holding the last values, unmarked: its protocol has no frame-lost mark";
-        case OutputStage::cannot_send:
-            return "cannot send: " + std::string(obstacle_text(state.obstacle));
-        case OutputStage::control:
-            break;
-    }
-    return state.input == kNoInput ? "under control"
-                                   : fmt::format("under control of {}", inputs[state.input]);
+    return text_without_hearing(state, inputs) + std::string(hearing_text(state.hearing));
 }
 
 std::string by_preset_text(std::uint32_t channels) {

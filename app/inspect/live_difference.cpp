@@ -140,6 +140,8 @@ Settled settle(const Configuration& configuration, std::vector<Sender> senders) 
     }
     for (const Output& output : engine->outputs()) {
         settled.states.push_back(output.state(end));
+        // No module answers here.
+        settled.states.back().hearing = Hearing::not_awaited;
         settled.frames.push_back(output.latest());
     }
     return settled;

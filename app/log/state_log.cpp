@@ -204,7 +204,9 @@ void StateLog::look_at_state(const std::string& name, const OutputStatus& status
     const bool same_votes = word.outvoted == memory.word.reported().outvoted;
     const bool same_state = word.state == memory.word.reported().state;
     if (const auto swallowed = memory.word.look(word, memory.limit, now)) {
-        const bool fine = status.state.stage == OutputStage::control && word.outvoted.empty();
+        const Hearing hearing = status.state.hearing;
+        const bool fine = status.state.stage == OutputStage::control && word.outvoted.empty() &&
+                          hearing != Hearing::silent && hearing != Hearing::unreadable;
         const std::string votes = same_votes ? ""
                                   : word.outvoted.empty()
                                       ? "; its inputs agree again"

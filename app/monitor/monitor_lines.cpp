@@ -81,6 +81,10 @@ std::string input_line(const Json& input, bool selected, bool old, const ScreenS
 std::string output_state(const Json& output) {
     const std::string state = status_fields::text(output, "state");
     const std::string input = status_fields::text(output, "input");
+    const std::string module = status_fields::text(output, "module");
+    if (module == "silent" || module == "unreadable") {
+        return words(state) + ", module " + module;
+    }
     if (state == "control" && !input.empty()) {
         return "control of " + input;
     }

@@ -52,7 +52,9 @@ void SimulateLog::look_at_input(std::size_t index, Instant now) {
 void SimulateLog::look_at_output(std::size_t index, Instant now) {
     const Output& output = engine_.outputs()[index];
     OutputMemory& memory = outputs_[index];
-    const OutputState state = output.state(now);
+    OutputState state = output.state(now);
+    // No module answers here.
+    state.hearing = Hearing::not_awaited;
     const OutputWait wait = engine_.wait(index, now);
     const bool stage_changed = memory.state && memory.state->stage != state.stage;
     const std::string& awaited =

@@ -159,6 +159,12 @@ OrderedJson obstacle_word(SendObstacle obstacle) {
                                           : OrderedJson(kWords[static_cast<std::size_t>(obstacle)]);
 }
 
+OrderedJson hearing_word(Hearing hearing) {
+    constexpr std::array<std::string_view, 4> kWords{"", "heard", "silent", "unreadable"};
+    return hearing == Hearing::not_awaited ? OrderedJson()
+                                           : OrderedJson(kWords[static_cast<std::size_t>(hearing)]);
+}
+
 /// Bit i of `outvoted` stands for the i-th input of the output.
 OrderedJson outvoted(const OutputReport& output, const Configuration& configuration) {
     OrderedJson json = OrderedJson::array();
@@ -214,6 +220,7 @@ OrderedJson output_json(std::size_t index, const OutputReport& output, const Sta
     json["marks_frame_lost"] = status.state.marks_frame_lost;
     json["forced"] = status.state.forced;
     json["awaits_release"] = status.state.awaits_release;
+    json["module"] = hearing_word(status.state.hearing);
     json["input"] = status.state.input < configuration.inputs.size()
                         ? OrderedJson(configuration.inputs[status.state.input].name)
                         : OrderedJson();

@@ -77,7 +77,8 @@ OutputState Output::state(Instant now) const {
         .input = selector_.follows_one() ? controlling_input().value_or(kNoInput) : kNoInput,
         .outvoted = 0,
         .marks_frame_lost = encoder_.encoder().marks_frame_lost(),
-        .by_preset = by_preset_};
+        .by_preset = by_preset_,
+        .hearing = encoder_.encoder().hearing(now)};
     for (std::size_t place = 0; place < inputs().size(); ++place) {
         state.outvoted |= selector_.outvoted(place) ? 1U << place : 0U;
     }

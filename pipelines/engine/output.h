@@ -88,6 +88,8 @@ struct OutputState {
     /// One bit for each channel that is sent as its preset although an input is in control, because
     /// the configuration maps it from a channel that is absent.
     std::uint32_t by_preset = 0;
+    /// Whether the receiver of its frames is heard.
+    Hearing hearing = Hearing::not_awaited;
 
     bool operator==(const OutputState&) const = default;
 };

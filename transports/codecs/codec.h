@@ -183,6 +183,15 @@ enum class Withheld : std::uint8_t {
     no_numbers,   ///< no number is stored that it may use
 };
 
+/// Whether the receiver of an output's frames is heard, in protocols whose receivers talk by
+/// themselves.
+enum class Hearing : std::uint8_t {
+    not_awaited,  ///< nothing need be heard, or not yet
+    heard,
+    silent,      ///< nothing comes back, but perhaps what was sent
+    unreadable,  ///< bytes come back, and none of them are a frame of it
+};
+
 /// A frame of channels in, what a link carries out. Every frame has an encoding. Pure: no
 /// descriptor, clock or log, and no heap after construction; may keep state. Thread-bound.
 class Encoder {
@@ -222,6 +231,8 @@ class Encoder {
 
     /// What was heard of the receiver.
     virtual Answers answers() const { return {}; }
+    /// Whether the receiver is heard at `now`, while frames are sent to it.
+    virtual Hearing hearing(Instant /*now*/) const { return Hearing::not_awaited; }
     /// Whether it may write no channels, whatever it is given. Constant.
     virtual bool may_withhold() const { return false; }
     /// Why the latest `write` had no channels in it.

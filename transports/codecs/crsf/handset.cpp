@@ -50,11 +50,22 @@ std::uint32_t CrsfHandsetEncoder::needed_channels(const ChannelFrame& /*frame*/)
 
 std::size_t CrsfHandsetEncoder::write(const ChannelFrame& frame,
                                       std::span<std::uint8_t, kLongestSerialFrame> wire,
-                                      Instant /*now*/) {
+                                      Instant now) {
+    note_sending(now);
     if (std::exchange(heard_.appeared, false) && model_id_) {
         return write_model_id(wire);
     }
     return write_channels(frame, scale_, kTransmitter, wire);
+}
+
+void CrsfHandsetEncoder::note_sending(Instant now) {
+    if (!sends_since_ || now - sent_at_ > kStoppedSending) {
+        sends_since_ = now;
+    }
+    sent_at_ = now;
+    if (std::exchange(unread_, false)) {
+        unread_at_ = now;
+    }
 }
 
 std::size_t CrsfHandsetEncoder::write_model_id(
@@ -75,26 +86,57 @@ std::optional<AskedTiming> CrsfHandsetEncoder::hear(std::span<const std::uint8_t
                                                     Instant now) {
     std::optional<AskedTiming> asked;
     DecodedFrame frame;
+    const std::uint64_t refused = heard_.refused();
     while (heard_.next(bytes, now, frame)) {
         asked = heard_.timing;
     }
+    unread_ = unread_ || heard_.refused() != refused;
     return asked;
+}
+
+/// Damaged bytes are not told in another way.
+void CrsfHandsetEncoder::forget_heard() {
+    heard_.reset();
+    unread_ = true;
+}
+
+Hearing CrsfHandsetEncoder::hearing(Instant now) const {
+    if (heard_.heard_at && now - *heard_.heard_at < kModuleGone) {
+        return Hearing::heard;
+    }
+    if (!sends_since_ || now - sent_at_ > kStoppedSending || now - *sends_since_ < kFirstWordWait) {
+        return Hearing::not_awaited;
+    }
+    return unread_at_ && now - *unread_at_ < kModuleGone ? Hearing::unreadable : Hearing::silent;
 }
 
 void CrsfHandsetEncoder::continue_from(const Encoder& before) {
     if (const auto* same = dynamic_cast<const CrsfHandsetEncoder*>(&before)) {
         heard_.heard_at = same->heard_.heard_at;
         heard_.appeared = heard_.heard_at && model_id_ != same->model_id_;
+        sends_since_ = same->sends_since_;
+        sent_at_ = same->sent_at_;
+        unread_at_ = same->unread_at_;
     }
 }
 
+std::uint64_t CrsfHandsetEncoder::FromModule::refused() const {
+    std::uint64_t count = skipped_bytes();
+    for (const NamedCount& cause : rejected()) {
+        count += cause.count;
+    }
+    return count;
+}
+
+/// Modules put the handset's address first, those of ExpressLRS 4 the sync byte, which is that of a
+/// flight controller. Own frames that come back begin with the module's address.
 /// Returns whether the frame says which timing the module wants.
 bool CrsfHandsetEncoder::FromModule::read(std::span<const std::uint8_t> frame,
                                           ChannelFrame& channels) {
     constexpr std::size_t kPeriodAt = 3;
     constexpr std::size_t kOffsetAt = 7;
     constexpr std::size_t kTimingBytes = 11;
-    if (frame[0] != kHandset) {
+    if (frame[0] != kHandset && frame[0] != kFlightController) {
         return false;
     }
     const Instant now = channels.received;

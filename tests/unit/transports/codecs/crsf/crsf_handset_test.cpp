@@ -35,15 +35,16 @@ Bytes sent(CrsfHandsetEncoder& encoder, const ChannelFrame& frame = centred()) {
     return {wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length)};
 }
 
-/// What a module says of its timing: numbers of 0.1 us, high byte first.
-Bytes timing(std::uint32_t period, std::int32_t offset) {
+/// What a module says of its timing: numbers of 0.1 us, high byte first. Modules of ExpressLRS 4
+/// begin with C8 (ExpressLRS commit 60013c7e7), others with EA.
+Bytes timing(std::uint32_t period, std::int32_t offset, std::uint8_t address = 0xEA) {
     Bytes payload{0xEA, 0xEE, 0x10};
     for (const std::uint32_t number : {period, static_cast<std::uint32_t>(offset)}) {
         for (int shift = 24; shift >= 0; shift -= 8) {
             payload.push_back(static_cast<std::uint8_t>(number >> shift));
         }
     }
-    return plain_crsf(0xEA, 0x3A, payload);
+    return plain_crsf(address, 0x3A, payload);
 }
 
 /// docs/protocols/crsf.md: all 992 = 1500 us, with the address of a module.
@@ -87,6 +88,18 @@ TEST(CrsfHandset, HearsTheTimingThatTheModuleAsksFor) {
     EXPECT_EQ(sooner->later, -500ns);
 }
 
+TEST(CrsfHandset, HearsAModuleWhoseFramesBeginWithTheSyncByte) {
+    CrsfHandsetEncoder encoder(3);
+    const auto asked = encoder.hear(timing(200000, -5, 0xC8), kNow);
+    ASSERT_TRUE(asked);
+    EXPECT_EQ(asked->period, 20ms);
+    EXPECT_EQ(asked->later, -500ns);
+    EXPECT_EQ(sent(encoder).at(7), 3U);
+    EXPECT_EQ(sent(encoder).size(), 26U);
+    EXPECT_EQ(encoder.hear(timing(20000, 0, 0xC8), kNow + 200ms)->period, 2ms);
+    EXPECT_EQ(sent(encoder).size(), 26U);
+}
+
 TEST(CrsfHandset, TakesTheLastOfSeveralTimings) {
     CrsfHandsetEncoder encoder(std::nullopt);
     Bytes bytes = timing(40000, 1);
@@ -125,7 +138,7 @@ TEST(CrsfHandset, TakesNoTimingThatIsNone) {
     EXPECT_FALSE(encoder.hear(plain_crsf(0xEA, 0x3A, {0xEA, 0xEE, 0x10, 0, 0, 0x9C, 0x40}), kNow));
     // To another device, of another kind, and an own frame that comes back.
     Bytes other = timing(40000, 1);
-    EXPECT_FALSE(encoder.hear(plain_crsf(0xC8, 0x3A, {other.begin() + 3, other.end() - 1}), kNow));
+    EXPECT_FALSE(encoder.hear(plain_crsf(0xEC, 0x3A, {other.begin() + 3, other.end() - 1}), kNow));
     EXPECT_FALSE(encoder.hear(
         plain_crsf(0xEA, 0x3A, {0xEA, 0xEE, 0x11, 0, 0, 0x9C, 0x40, 0, 0, 0, 0}), kNow));
     EXPECT_FALSE(encoder.hear(sent(encoder), kNow));
@@ -179,6 +192,57 @@ TEST(CrsfHandset, TellsAnotherModelAfterAReload) {
     CrsfHandsetEncoder other(4);
     other.continue_from(before);
     EXPECT_EQ(sent(other).at(7), 4U);
+}
+
+/// Sends channels each 4 ms from `from` to `until` after the start, while these bytes come back
+/// behind each of them.
+void send_for(CrsfHandsetEncoder& encoder, Duration from, Duration until, const Bytes& back = {}) {
+    for (Duration at = from; at < until; at += 4ms) {
+        std::array<std::uint8_t, kLongestSerialFrame> wire{};
+        encoder.write(centred(), wire, kNow + at);
+        encoder.hear(back, kNow + at + 1ms);
+    }
+}
+
+TEST(CrsfHandset, KnowsThatItsModuleIsSilentThreeSecondsAfterChannelsGoToIt) {
+    CrsfHandsetEncoder encoder(3);
+    EXPECT_EQ(encoder.hearing(kNow + 10s), Hearing::not_awaited);
+    const Bytes own = plain_crsf(0xEE, 0x16, Bytes(22));
+    send_for(encoder, 0s, 2900ms, own);
+    EXPECT_EQ(encoder.hearing(kNow + 2900ms), Hearing::not_awaited);
+    send_for(encoder, 2900ms, 3100ms, own);
+    EXPECT_EQ(encoder.hearing(kNow + 3100ms), Hearing::silent);
+    EXPECT_EQ(encoder.hearing(kNow + 5s), Hearing::not_awaited) << "it sends nothing any more";
+    send_for(encoder, 6s, 8s);
+    EXPECT_EQ(encoder.hearing(kNow + 8s), Hearing::not_awaited);
+}
+
+TEST(CrsfHandset, KnowsThatBytesAreNoFrameOfAModule) {
+    for (const bool damaged : {false, true}) {
+        CrsfHandsetEncoder encoder(3);
+        send_for(encoder, 0s, 4s);
+        EXPECT_EQ(encoder.hearing(kNow + 4s), Hearing::silent);
+        if (damaged) {
+            encoder.forget_heard();
+        }
+        send_for(encoder, 4s, 4100ms, damaged ? Bytes{} : Bytes{0x55, 0xAA});
+        EXPECT_EQ(encoder.hearing(kNow + 4100ms), Hearing::unreadable);
+        send_for(encoder, 4100ms, 7s);
+        EXPECT_EQ(encoder.hearing(kNow + 7s), Hearing::silent);
+    }
+}
+
+TEST(CrsfHandset, KnowsThatItsModuleIsHeardUntilItWasSilentForTwoSeconds) {
+    CrsfHandsetEncoder encoder(3);
+    send_for(encoder, 0s, 4s);
+    encoder.hear(timing(40000, 0, 0xC8), kNow + 4s);
+    EXPECT_EQ(encoder.hearing(kNow + 4s), Hearing::heard);
+    send_for(encoder, 4s, 6100ms, {0x55});
+    EXPECT_EQ(encoder.hearing(kNow + 5999ms), Hearing::heard);
+    CrsfHandsetEncoder reloaded(3);
+    reloaded.continue_from(encoder);
+    EXPECT_EQ(reloaded.hearing(kNow + 5999ms), Hearing::heard);
+    EXPECT_EQ(reloaded.hearing(kNow + 6100ms), Hearing::unreadable);
 }
 
 std::vector<std::string> mistakes(

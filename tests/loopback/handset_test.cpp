@@ -1,0 +1,139 @@
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/loopback/loopback.h"
+#include "tests/reference/plain_crsf.h"
+
+/// The built program as the handset of a transmitter module on a pty, which talks as modules of
+/// ExpressLRS 4 do: its frames begin with C8 (docs/protocols/crsf.md, "Towards a transmitter
+/// module").
+namespace tribus::test::handset_test {
+namespace {
+
+using reference::plain_crsf;
+using reference::PlainCrsfFrame;
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+/// What a module says of its timing: the period in 0.1 us, high byte first; the phase is right.
+Bytes timing(microseconds period) {
+    Bytes payload{0xEA, 0xEE, 0x10};
+    const auto tenths = static_cast<std::uint32_t>(10 * period.count());
+    for (int shift = 24; shift >= 0; shift -= 8) {
+        payload.push_back(static_cast<std::uint8_t>(tenths >> shift));
+    }
+    payload.insert(payload.end(), 4, 0);
+    return plain_crsf(0xC8, 0x3A, payload);
+}
+
+class HandsetOfAModule : public Loopback {
+  protected:
+    Program& run_handset() {
+        return run(write_config(R"(
+[input.radio]
+protocol = "crsf"
+device = "@radio"
+
+[output.module]
+protocol = "crsf"
+role = "handset"
+baud = 400000
+model_id = 7
+device = "@module"
+
+[pipeline.main]
+from = "radio"
+to = "module"
+)"));
+    }
+    /// A receiver at 150 Hz, and the module each 200 ms, until the condition holds.
+    template <class Condition>
+    bool flies_until(const Bytes& word, Condition condition) {
+        return eventually([&] {
+            const auto now = Clock::now();
+            if (now - radio_at_ >= microseconds(6667)) {
+                radio_at_ = now;
+                std::array<std::uint16_t, 16> centred{};
+                centred.fill(992);
+                radio_.send(plain_crsf(0xC8, 0x16, reference::plain_crsf_packed(centred)));
+            }
+            if (!word.empty() && now - word_at_ >= milliseconds(200)) {
+                word_at_ = now;
+                module_.send(word);
+            }
+            const Bytes more = module_.receive();
+            heard_.insert(heard_.end(), more.begin(), more.end());
+            return condition();
+        });
+    }
+    /// What the status says of the output, while all goes on.
+    nlohmann::json told(const Bytes& word) {
+        Program& status =
+            start({"status", "--socket", (folder() / "control").string(), "--format", "json"});
+        EXPECT_TRUE(flies_until(word, [&] { return !status.runs(); }));
+        return nlohmann::json::parse(status.output()).at("outputs").at(0);
+    }
+    std::vector<PlainCrsfFrame> of_type(std::uint8_t type) const {
+        std::vector<PlainCrsfFrame> frames;
+        for (PlainCrsfFrame& frame : reference::plain_crsf_frames(heard_)) {
+            if (frame.type == type) {
+                frames.push_back(std::move(frame));
+            }
+        }
+        return frames;
+    }
+
+    FarEnd& radio_ = device("radio");
+    FarEnd& module_ = device("module");
+    Bytes heard_;
+    Clock::time_point radio_at_{};
+    Clock::time_point word_at_{};
+};
+
+TEST_F(HandsetOfAModule, FollowsATimingOf2And20Milliseconds) {
+    Program& program = run_handset();
+    for (const microseconds period : {microseconds(2000), microseconds(20000)}) {
+        const Bytes word = timing(period);
+        EXPECT_TRUE(flies_until(word, [&] { return told(word)["period_us"] == period.count(); }))
+            << program.errors();
+        heard_.clear();
+        EXPECT_TRUE(flies_until(word, [&] { return of_type(0x16).size() >= 100; }));
+        EXPECT_EQ(told(word)["period_us"], period.count());
+        EXPECT_EQ(told(word)["module"], "heard");
+    }
+    EXPECT_TRUE(program.says("output module: under control of radio; hears its module"));
+    expect_clean_end(program);
+}
+
+TEST_F(HandsetOfAModule, TellsTheModelOnce) {
+    Program& program = run_handset();
+    const Bytes word = timing(milliseconds(4));
+    EXPECT_TRUE(flies_until(word, [&] { return !of_type(0x32).empty(); })) << program.errors();
+    EXPECT_TRUE(flies_until(word, [&] { return of_type(0x16).size() >= 500; }));
+    const std::vector<PlainCrsfFrame> commands = of_type(0x32);
+    ASSERT_EQ(commands.size(), 1U);
+    EXPECT_EQ(commands[0].payload.at(4), 7U);
+    expect_clean_end(program);
+}
+
+TEST_F(HandsetOfAModule, SaysThatItIsSilentAndThenUnreadable) {
+    Program& program = run_handset();
+    EXPECT_TRUE(flies_until({}, [&] { return told({})["module"] == "silent"; }));
+    EXPECT_TRUE(program.says("output module: under control of radio; hears nothing of its module"));
+    const Bytes rubbish{0x55, 0xAA, 0xC8, 0x0D, 0x3A};
+    EXPECT_TRUE(flies_until(rubbish, [&] { return told(rubbish)["module"] == "unreadable"; }));
+    EXPECT_TRUE(program.says("what comes back is no frame of a module"));
+    const Bytes word = timing(milliseconds(4));
+    EXPECT_TRUE(flies_until(word, [&] { return told(word)["module"] == "heard"; }));
+    expect_clean_end(program);
+}
+
+}  // namespace
+}  // namespace tribus::test::handset_test
