@@ -5,6 +5,7 @@
 #include <chrono>
 #include <memory>
 
+#include "transports/codecs/crc8_d5.h"
 #include "transports/codecs/microsecond_words.h"
 
 namespace tribus {
@@ -18,10 +19,13 @@ namespace {
 
 constexpr std::uint8_t kDollar = 0x24;
 constexpr std::uint8_t kLetterM = 0x4D;
+constexpr std::uint8_t kLetterX = 0x58;
 /// Towards the flight controller; answers have '>'.
 constexpr std::uint8_t kRequest = 0x3C;
-constexpr std::array<std::uint8_t, 3> kBeginning{kDollar, kLetterM, kRequest};
-constexpr std::size_t kSizeAt = kBeginning.size();
+constexpr std::size_t kLetterAt = 1;
+constexpr std::size_t kBeginningBytes = 3;
+constexpr std::array<std::uint8_t, kBeginningBytes> kBeginning{kDollar, kLetterM, kRequest};
+constexpr std::size_t kSizeAt = kBeginningBytes;
 constexpr std::size_t kCommandAt = kSizeAt + 1;
 constexpr std::size_t kContentAt = kCommandAt + 1;
 constexpr std::uint8_t kSetRawRc = 200;
@@ -31,8 +35,14 @@ constexpr std::size_t kLongestContent = 64;
 constexpr std::size_t message_bytes(std::size_t content) {
     return kContentAt + content + 1;
 }
-static_assert(message_bytes(kLongestContent) <= kLongestSerialFrame);
 static_assert(2 * kChannelCount <= kLongestContent);
+
+/// Version 2: a flag, the command and the size in two bytes each, the low byte first.
+constexpr std::size_t kFlagAt = kBeginningBytes;
+constexpr std::size_t kLongCommandAt = kFlagAt + 1;
+constexpr std::size_t kLongSizeAt = kLongCommandAt + 2;
+constexpr std::size_t kLongContentAt = kLongSizeAt + 2;
+static_assert(kLongContentAt + kLongestContent + 1 <= kLongestSerialFrame);
 
 /// XOR of all behind the beginning.
 std::uint8_t check_of(std::span<const std::uint8_t> message) {
@@ -43,33 +53,62 @@ std::uint8_t check_of(std::span<const std::uint8_t> message) {
     return check;
 }
 
+bool is_version_2(std::span<const std::uint8_t> frame) {
+    return frame[kLetterAt] == kLetterX;
+}
+
+bool may_begin(std::span<const std::uint8_t> bytes) {
+    return bytes[0] == kDollar &&
+           (bytes.size() <= kLetterAt || bytes[kLetterAt] == kLetterM || is_version_2(bytes)) &&
+           (bytes.size() < kBeginningBytes || bytes[kBeginningBytes - 1] == kRequest);
+}
+
+std::size_t needed_of_version_2(std::span<const std::uint8_t> bytes) {
+    if (bytes.size() < kLongContentAt) {
+        return bytes.size() + 1;
+    }
+    const std::size_t content = microseconds_at(bytes, kLongSizeAt);
+    return content <= kLongestContent ? kLongContentAt + content + 1 : 0;
+}
+
+/// The content of MSP_SET_RAW_RC. Empty for other commands.
+std::span<const std::uint8_t> raw_rc_of(std::span<const std::uint8_t> frame) {
+    const bool version_2 = is_version_2(frame);
+    const std::size_t command =
+        version_2 ? microseconds_at(frame, kLongCommandAt) : frame[kCommandAt];
+    const std::size_t content_at = version_2 ? kLongContentAt : kContentAt;
+    return command == kSetRawRc ? frame.subspan(content_at, frame.size() - content_at - 1)
+                                : std::span<const std::uint8_t>{};
+}
+
 }  // namespace
 
 std::size_t MspDecoder::needed_bytes(std::span<const std::uint8_t> bytes) const {
-    const std::size_t known = std::min(bytes.size(), kBeginning.size());
-    if (!std::equal(kBeginning.begin(), kBeginning.begin() + static_cast<std::ptrdiff_t>(known),
-                    bytes.begin())) {
+    if (!may_begin(bytes)) {
         return 0;
     }
     if (bytes.size() <= kSizeAt) {
         return bytes.size() + 1;
     }
+    if (is_version_2(bytes)) {
+        return needed_of_version_2(bytes);
+    }
     return bytes[kSizeAt] <= kLongestContent ? message_bytes(bytes[kSizeAt]) : 0;
 }
 
-/// With the check itself the XOR is 0.
+/// With the check itself the result is 0.
 bool MspDecoder::check_holds(std::span<const std::uint8_t> frame) const {
-    return check_of(frame) == 0;
+    return is_version_2(frame) ? Crc8D5::of(0, frame.subspan(kFlagAt)) == 0 : check_of(frame) == 0;
 }
 
 bool MspDecoder::read(std::span<const std::uint8_t> frame, ChannelFrame& channels) {
-    const std::size_t words = frame[kSizeAt] / 2;
-    if (frame[kCommandAt] != kSetRawRc || frame[kSizeAt] % 2 != 0 || words == 0) {
+    const auto content = raw_rc_of(frame);
+    const std::size_t words = content.size() / 2;
+    if (content.size() % 2 != 0 || words == 0) {
         return false;
     }
     for (std::size_t channel = 0; channel < std::min(words, kChannelCount); ++channel) {
-        const std::size_t at = kContentAt + 2 * channel;
-        if (const auto pulse = pulse_of(microseconds_at(frame, at))) {
+        if (const auto pulse = pulse_of(microseconds_at(content, 2 * channel))) {
             channels.set(channel, *pulse);
         }
     }
@@ -107,7 +146,8 @@ constexpr std::array kMspSettings{
             .example = "8"},
 };
 
-constexpr std::array kMspBeginnings{FrameBeginning{kDollar, kLetterM}};
+constexpr std::array kMspBeginnings{FrameBeginning{kDollar, kLetterM},
+                                    FrameBeginning{kDollar, kLetterX}};
 
 AnyDecoder make_msp_decoder(const SettingValues& /*settings*/) {
     return std::make_unique<MspDecoder>();

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/reference/plain_crsf.h"
 #include "tests/support/channel_bytes.h"
 #include "tests/support/heard_line.h"
 #include "tests/support/stream_rules.h"
@@ -38,6 +39,18 @@ Bytes message(std::uint8_t command, const Bytes& content) {
     return bytes;
 }
 
+/// The same of version 2: the CRC-8 of DVB-S2 bit by bit.
+Bytes message_2(std::uint16_t command, const Bytes& content) {
+    Bytes bytes{'$', 'X', '<', 0};
+    for (const std::size_t word : {std::size_t{command}, content.size()}) {
+        bytes.push_back(static_cast<std::uint8_t>(word));
+        bytes.push_back(static_cast<std::uint8_t>(word >> 8U));
+    }
+    bytes.insert(bytes.end(), content.begin(), content.end());
+    bytes.push_back(reference::plain_crsf_check(std::span(bytes).subspan(3)));
+    return bytes;
+}
+
 Bytes words(std::size_t count, unsigned word) {
     Bytes content;
     for (std::size_t i = 0; i < count; ++i) {
@@ -59,6 +72,39 @@ TEST(Msp, ReadsAndWritesTheVector) {
     EXPECT_EQ(pulses_of(frames[0].channels), kEightPulses);
     EXPECT_TRUE(frames[0].channels.good());
     EXPECT_EQ(encoded(frames[0].channels, 8), from_hex(kEightChannels));
+}
+
+/// The frame of INAV's page about MSP v2 (iNavFlight/inav wiki, "MSP V2"): command 100 without
+/// content, as a request.
+TEST(Msp, PassesOverARequestOfVersion2) {
+    const Bytes request = from_hex("24583C00640000008F");
+    EXPECT_EQ(message_2(100, {}), request);
+    MspDecoder decoder;
+    EXPECT_TRUE(feed(decoder, request).empty());
+    EXPECT_EQ(decoder.skipped_bytes(), 0U);
+    EXPECT_EQ(decoder.rejected()[0].count, 0U);
+}
+
+/// mLRS sends its 16 channels so.
+TEST(Msp, ReadsChannelsOfVersion2BesideThoseOfVersion1) {
+    Bytes line = message_2(200, words(16, 1500));
+    append(line, from_hex(kEightChannels));
+    append(line, message_2(0x20C8, words(16, 1500)));
+    append(line, message_2(200, words(16, 1900)));
+    MspDecoder decoder;
+    const auto frames = feed(decoder, line);
+    ASSERT_EQ(frames.size(), 3U);
+    EXPECT_EQ(pulses_of(frames[0].channels), std::vector<double>(16, 1500));
+    EXPECT_EQ(pulses_of(frames[1].channels), kEightPulses);
+    EXPECT_EQ(pulses_of(frames[2].channels), std::vector<double>(16, 1900));
+    EXPECT_EQ(decoder.skipped_bytes(), 0U);
+}
+
+TEST(Msp, RefusesEachFlippedBitOfVersion2AndReadsTheNextFrame) {
+    const Bytes frame = message_2(200, words(16, 1500));
+    expect_each_flipped_bit_is_refused(make<MspDecoder>, frame, frame);
+    expect_a_frame_behind_every_cut_one(make<MspDecoder>, frame, frame);
+    expect_a_pause_ends_a_frame(make<MspDecoder>, frame, frame);
 }
 
 TEST(Msp, ReadsAndWritesEveryWordOfAPulseAndOthersAreNoChannel) {
@@ -120,6 +166,24 @@ TEST(Msp, FindsAFrameBehindGarbageThatBeginsAsAMessageOfAnyLength) {
         for (int i = 0; i < 4; ++i) {
             const Bytes frame = from_hex(kEightChannels);
             line.insert(line.end(), frame.begin(), frame.end());
+        }
+        EXPECT_GE(feed(decoder, line).size(), 1U) << length;
+    }
+}
+
+TEST(Msp, FindsAFrameBehindGarbageThatBeginsAsAMessageOfVersion2OfAnyLength) {
+    for (unsigned length = 0; length <= 0xFFFF; length += length < 0x100 ? 1 : 0xFF) {
+        MspDecoder decoder;
+        Bytes line{'$',
+                   'X',
+                   '<',
+                   0,
+                   200,
+                   0,
+                   static_cast<std::uint8_t>(length),
+                   static_cast<std::uint8_t>(length >> 8U)};
+        for (int i = 0; i < 4; ++i) {
+            append(line, from_hex(kEightChannels));
         }
         EXPECT_GE(feed(decoder, line).size(), 1U) << length;
     }
