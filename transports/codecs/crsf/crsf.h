@@ -34,7 +34,7 @@ class CrsfDecoder final : public CrsfFrames {
     static constexpr Duration kNoChannelsAfter = std::chrono::milliseconds(250);
     /// Receivers send statistics each 100 ms.
     static constexpr Duration kStatisticsLast = std::chrono::seconds(1);
-    /// A channel of a frame of type 17 counts so long if the next such frames lack it.
+    /// The newest value of a channel counts so long for frames of type 17 that lack it.
     static constexpr Duration kSubsetLasts = std::chrono::milliseconds(100);
 
     const RadioStatistics* radio_statistics() const override {
@@ -42,9 +42,6 @@ class CrsfDecoder final : public CrsfFrames {
     }
 
   private:
-    /// Above every raw value.
-    static constexpr std::uint16_t kNoRaw = 0xFFFF;
-
     Taken decode(std::span<const std::uint8_t> bytes, Instant received,
                  DecodedFrame& frame) override;
     bool read(std::span<const std::uint8_t> frame, ChannelFrame& channels) override;
@@ -52,6 +49,7 @@ class CrsfDecoder final : public CrsfFrames {
     void read_channels(std::span<const std::uint8_t, kPackedChannelBytes> packed,
                        ChannelFrame& channels);
     bool read_subset(std::span<const std::uint8_t> payload, ChannelFrame& channels);
+    void fill_subset(ChannelFrame& channels) const;
     bool judge(const RadioStatistics& statistics, ChannelFrame& channels);
     void channels_came(ChannelFrame& channels);
 
@@ -69,8 +67,11 @@ class CrsfDecoder final : public CrsfFrames {
 
     /// 992 is 1500 us, a step is 5/8 us.
     SbusScale scale_ = *SbusScale::named("betaflight");
-    /// Raw values of the latest frame if it was one of type 16; else the first is kNoRaw.
-    SbusRaw raw_{kNoRaw};
+    /// Raw values of the latest frame of type 16, and its arrival.
+    SbusRaw raw_{};
+    Instant raw_received_ = Instant::min();
+    /// The latest frame was one of type 16.
+    bool raw_is_latest_ = false;
     mutable std::array<std::uint16_t, 2> detail_values_{};
     mutable std::array<FrameDetail, 3> details_{};
 };

@@ -95,7 +95,9 @@ bool CrsfDecoder::read(std::span<const std::uint8_t> frame, ChannelFrame& channe
     std::span<const std::uint8_t, kPackedChannelBytes> packed, ChannelFrame& channels) {
     const SbusLanes raw = unpack_channels(packed);
     raw_ = from_lanes(raw);
+    raw_is_latest_ = true;
     const Instant received = channels.received;
+    raw_received_ = received;
     channels = kSixteenChannels;
     channels.received = received;
     scale_.decode_whole(raw, channels);
@@ -132,14 +134,24 @@ bool CrsfDecoder::read_subset(std::span<const std::uint8_t> payload, ChannelFram
             ++channel;
         }
     }
-    for (std::size_t i = 0; i < kChannelCount; ++i) {
-        if (subset_[i].known && channels.received - subset_[i].received <= kSubsetLasts) {
-            channels.set(i, subset_[i].pulse);
-        }
-    }
-    raw_[0] = kNoRaw;
+    fill_subset(channels);
+    raw_is_latest_ = false;
     channels_came(channels);
     return channels.has_any();
+}
+
+/// The newest value of each channel, in a frame of either type.
+void CrsfDecoder::fill_subset(ChannelFrame& channels) const {
+    const Instant since = channels.received - kSubsetLasts;
+    for (std::size_t i = 0; i < kChannelCount; ++i) {
+        const SubsetChannel& own = subset_[i];
+        const bool in_whole = i < kSbusChannels && raw_received_ >= since;
+        if (own.known && own.received >= since && !(in_whole && raw_received_ > own.received)) {
+            channels.set(i, own.pulse);
+        } else if (in_whole) {
+            channels.set(i, scale_.decode(raw_[i]));
+        }
+    }
 }
 
 inline void CrsfDecoder::channels_came(ChannelFrame& channels) {
@@ -152,7 +164,7 @@ inline void CrsfDecoder::channels_came(ChannelFrame& channels) {
 
 /// Returns whether the statistics say that there are no channels.
 bool CrsfDecoder::judge(const RadioStatistics& statistics, ChannelFrame& channels) {
-    raw_[0] = kNoRaw;
+    raw_is_latest_ = false;
     channels_at_ = channels_at_.value_or(statistics.received);
     statistics_ = statistics;
     channels.link_quality = std::min<std::uint8_t>(statistics.link_quality, 100);
@@ -166,7 +178,7 @@ bool CrsfDecoder::judge(const RadioStatistics& statistics, ChannelFrame& channel
 
 std::span<const FrameDetail> CrsfDecoder::details() const {
     std::size_t count = 0;
-    if (raw_[0] != kNoRaw) {
+    if (raw_is_latest_) {
         details_[count++] = {"raw", raw_, true};
     }
     if (statistics_) {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -12,7 +13,14 @@
 /// (docs/protocols/crsf.md, "Telemetry"). The keys of an output and the names of received values.
 namespace tribus {
 
-/// A number in a message, high byte first: value * scale + offset.
+/// How a number stands in a message.
+enum class TelemetryForming : std::uint8_t {
+    straight,
+    altitude,  ///< dm + 10000 of less than 8000, else metres in the low 15 bits
+    climb,     ///< finer around 0: +-25 m/s in a byte
+};
+
+/// A number in a message, high byte first. Straight: value * scale + offset.
 struct TelemetryNumber {
     std::string_view key;
     std::string_view unit;
@@ -20,6 +28,7 @@ struct TelemetryNumber {
     bool is_signed = false;
     double scale = 1;
     double offset = 0;
+    TelemetryForming forming = TelemetryForming::straight;
 };
 
 /// How the numbers of a message are named.
@@ -36,6 +45,8 @@ struct TelemetryMessage {
     std::span<const TelemetryNumber> numbers;
     /// With `numbered`.
     std::size_t most = 1;
+    /// How many numbers a shorter message must have, if not all.
+    std::optional<std::size_t> least{};
 };
 
 /// The source of numbered values that is sent and read: the board itself.
@@ -86,6 +97,11 @@ inline constexpr std::array kTransmitterLinkNumbers{
     TelemetryNumber{"power", "dBm", 1, true},
     TelemetryNumber{"frame_rate", "Hz", 1, false, 0.1}};
 
+/// Above the point where the flight controller was switched on.
+inline constexpr std::array kBarometerNumbers{
+    TelemetryNumber{"altitude", "m", 2, false, 1, 0, TelemetryForming::altitude},
+    TelemetryNumber{"vario", "m/s", 1, true, 1, 0, TelemetryForming::climb}};
+
 inline constexpr std::uint8_t kGpsType = 0x02;
 
 /// Messages that are sent and read, in the order of the manual.
@@ -101,6 +117,7 @@ inline constexpr std::array kTelemetryMessages{
 };
 /// Messages that are only read.
 inline constexpr std::array kReadMessages{
+    TelemetryMessage{"baro", 0x09, TelemetryForm::table, kBarometerNumbers, 1, 1},
     TelemetryMessage{"link", 0x14, TelemetryForm::table, kLinkNumbers},
     TelemetryMessage{"receiver_link", 0x1C, TelemetryForm::table, kReceiverLinkNumbers},
     TelemetryMessage{"transmitter_link", 0x1D, TelemetryForm::table, kTransmitterLinkNumbers}};

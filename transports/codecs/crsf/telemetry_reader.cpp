@@ -22,6 +22,19 @@ std::size_t readings_of(const TelemetryMessage& message) {
     return message.numbers.size() * message.most;
 }
 
+/// TBS's text: 0 is -1000 m in steps of 0.1 m up to 2276.7 m; from there on whole metres.
+double packed_altitude(std::uint64_t bits) {
+    constexpr std::uint64_t kMetres = 0x8000;
+    return (bits & kMetres) != 0 ? static_cast<double>(bits & (kMetres - 1))
+                                 : (static_cast<double>(bits) - 10'000) / 10;
+}
+
+/// TBS's text: (exp(|byte| * 0.026) - 1) * 1 m/s, with the sign of the byte.
+double packed_climb(double packed) {
+    constexpr double kRange = 0.026;
+    return std::copysign(std::expm1(std::abs(packed) * kRange), packed);
+}
+
 double number_at(std::span<const std::uint8_t> payload, std::size_t at,
                  const TelemetryNumber& number) {
     std::uint64_t bits = 0;
@@ -31,6 +44,14 @@ double number_at(std::span<const std::uint8_t> payload, std::size_t at,
     const double range = std::ldexp(1.0, static_cast<int>(8 * number.bytes));
     auto raw = static_cast<double>(bits);
     raw -= number.is_signed && raw >= range / 2 ? range : 0;
+    switch (number.forming) {
+        case TelemetryForming::altitude:
+            return packed_altitude(bits);
+        case TelemetryForming::climb:
+            return packed_climb(raw);
+        case TelemetryForming::straight:
+            break;
+    }
     return (raw - number.offset) / number.scale;
 }
 
@@ -101,8 +122,8 @@ bool CrsfTelemetryReader::Frames::read(std::span<const std::uint8_t> frame,
         }
         const bool numbered = message.form == TelemetryForm::numbered;
         const bool known = !numbered || (!payload.empty() && payload[0] == kTelemetrySource);
-        complete = known &&
-                   read_numbers(message, payload, numbered ? 1 : 0, own) >= message.numbers.size();
+        const std::size_t least = message.least.value_or(message.numbers.size());
+        complete = known && read_numbers(message, payload, numbered ? 1 : 0, own) >= least;
         return true;
     });
     return complete;

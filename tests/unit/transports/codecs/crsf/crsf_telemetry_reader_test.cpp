@@ -101,6 +101,34 @@ TEST(CrsfTelemetryReader, ReadsTheLinkStatisticsOfAModule) {
                              {"link.down_snr", 5}}));
 }
 
+/// TBS's text, "0x09 Barometric Altitude & Vertical Speed": 0 is -1000 m, 10000 is 0 m, 7FFF is
+/// 2276.7 m; with the highest bit whole metres. 127 is about 26 m/s.
+TEST(CrsfTelemetryReader, ReadsTheBarometer) {
+    const auto altitude = [](std::uint8_t high, std::uint8_t low) {
+        return numbers_in(plain_crsf(0xC8, 0x09, {high, low, 0})).at("baro.altitude");
+    };
+    EXPECT_EQ(altitude(0x00, 0x00), -1000);
+    EXPECT_EQ(altitude(0x27, 0x10), 0);
+    EXPECT_EQ(altitude(0x27, 0x0F), -0.1);
+    EXPECT_EQ(altitude(0x7F, 0xFF), 2276.7);
+    EXPECT_EQ(altitude(0x88, 0xE5), 2277);
+    EXPECT_EQ(altitude(0xFF, 0xFE), 32766);
+    const auto climb = [](std::uint8_t packed) {
+        return numbers_in(plain_crsf(0xC8, 0x09, {0x27, 0x10, packed})).at("baro.vario");
+    };
+    EXPECT_EQ(climb(0), 0);
+    EXPECT_NEAR(climb(1), 0.026, 0.001);
+    EXPECT_NEAR(climb(0xFF), -0.026, 0.001);
+    EXPECT_NEAR(climb(127), 26.16, 0.01);
+    EXPECT_NEAR(climb(0x81), -26.16, 0.01);
+}
+
+/// As Betaflight and older flight controllers send it.
+TEST(CrsfTelemetryReader, ReadsABarometerWithoutVerticalSpeed) {
+    EXPECT_EQ(numbers_in(plain_crsf(0xC8, 0x09, {0x27, 0x74})), (Numbers{{"baro.altitude", 10}}));
+    EXPECT_TRUE(messages_in(plain_crsf(0xC8, 0x09, {0x27})).empty());
+}
+
 TEST(CrsfTelemetryReader, ReadsTheStatisticsOfBothSides) {
     EXPECT_EQ(numbers_in(plain_crsf(0xEA, 0x1C, {70, 80, 99, 0xF6, 20})),
               (Numbers{{"receiver_link.rssi", -70},
@@ -135,6 +163,9 @@ TEST(CrsfTelemetryReader, PassesOverOtherSourcesAndOtherTypes) {
     EXPECT_TRUE(messages_in(plain_crsf(0xC8, 0x0E, {1, 0x0E, 0x74})).empty());
     EXPECT_TRUE(messages_in(plain_crsf(0xC8, 0x21, {'A', 'C', 'R', 'O', 0})).empty());
     EXPECT_TRUE(messages_in(plain_crsf(0xC8, 0x16, Bytes(22))).empty());
+    // The time and the accuracy of a position: docs/protocols/crsf.md, "Telemetry".
+    EXPECT_TRUE(messages_in(plain_crsf(0xC8, 0x03, Bytes(9))).empty());
+    EXPECT_TRUE(messages_in(plain_crsf(0xC8, 0x06, Bytes(20))).empty());
 }
 
 TEST(CrsfTelemetryReader, ReadsEveryMessageWhereverTheReadsAreCut) {

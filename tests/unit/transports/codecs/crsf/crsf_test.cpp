@@ -199,6 +199,24 @@ TEST(CrsfDecoder, ASubsetKeepsTheChannelsOfOthersForATenthOfASecond) {
     EXPECT_TRUE(later->has(1));
 }
 
+/// Between frames of 17 a frame of 16 is newer than what earlier ones said.
+TEST(CrsfDecoder, ASubsetIsFilledFromTheNewestFrameOfEitherType) {
+    const Bytes first = plain_crsf(0xC8, 0x17, {0x00, 0x00, 0x02});   // channel 1: 1500 us
+    const Bytes second = plain_crsf(0xC8, 0x17, {0x01, 0x00, 0x02});  // channel 2: 1500 us
+    Line line;
+    line.hear(first, 0ms);
+    line.hear(channels_of(192), 50ms);
+    const auto filled = line.hear(second, 60ms);
+    ASSERT_TRUE(filled);
+    std::vector<double> pulses(16, 1000);
+    pulses[1] = 1500;
+    EXPECT_EQ(pulses_of(*filled), pulses);
+    line.hear(first, 70ms);
+    pulses[0] = 1500;
+    EXPECT_EQ(pulses_of(*line.hear(second, 150ms)), pulses);
+    EXPECT_EQ(pulses_of(*line.hear(second, 151ms)), (std::vector<double>{1500, 1500}));
+}
+
 TEST(CrsfDecoder, ChannelsCarryTheLinkQualityOfStatisticsForASecond) {
     Line line;
     EXPECT_EQ(line.hear(channels_of(992), 0ms)->link_quality, kNoLinkQuality);
