@@ -116,22 +116,73 @@ class PlainDsm {
         return all.contains(0) && all.contains(1) && all.contains(2) && all.contains(3);
     }
 
+    /// A row that pauses may show to go on.
+    struct OldRow {
+        std::set<int> numbers;
+        std::set<Places> counting;
+    };
+
     void new_row() {
+        if (row_ >= 2) {
+            old_row_ = OldRow{in_row_, {}};
+            for (const Met& met : met_) {
+                if (met.counts) {
+                    old_row_->counting.insert(met.places);
+                }
+            }
+        }
         row_ = 0;
         in_row_.clear();
         for (Met& met : met_) {
             met.counts = false;
         }
     }
+    void forget() {
+        new_row();
+        met_.clear();
+        old_row_.reset();
+        needs_pause_ = false;
+    }
     void pause() {
-        if (begin_ != line_.size()) {
+        if (needs_pause_ && aligned_ && line_.size() - begin_ == 16) {
+            needs_pause_ = false;
+            frame_came(waits_since_);
+        } else if (begin_ != line_.size()) {
             new_row();
         }
         begin_ = line_.size();
+        const std::size_t burst = begin_ - burst_begin_;
+        burst_begin_ = begin_;
         aligned_ = true;
+        if (burst % 16 != 0 && old_row_ && row_ < 2) {
+            row_ = 2;
+            in_row_ = old_row_->numbers;
+            for (Met& met : met_) {
+                met.counts = old_row_->counting.contains(met.places);
+            }
+            needs_pause_ = true;
+        }
+        if (burst != 0) {
+            old_row_.reset();
+        }
+    }
+    /// Whether the 16 bytes from `begin_` on count with the pause behind them.
+    bool waits(double at) {
+        const auto frame = std::span(line_).subspan(begin_, 16);
+        const auto now = look(frame);
+        const bool in_row = now && std::ranges::any_of(met_, [&](const Met& met) {
+                                return met.counts && met.places == now->places;
+                            });
+        if (in_row && at - latest_ <= 100 && line_.size() - begin_ == 16) {
+            waits_since_ = at;
+            return true;
+        }
+        needs_pause_ = false;
+        new_row();
+        return false;
     }
     void byte_came(double at) {
-        if (aligned_ && line_.size() - begin_ == 16) {
+        if (aligned_ && line_.size() - begin_ >= 16 && !(needs_pause_ && waits(at))) {
             frame_came(at);
             begin_ += 16;
         }
@@ -150,8 +201,7 @@ class PlainDsm {
             begin_ += 16;
             return;
         }
-        met_.clear();
-        new_row();
+        forget();
         begin_ = places.front();
         const std::size_t before = found_.size();
         for (int frame = 0; frame < 4; ++frame) {
@@ -183,8 +233,7 @@ class PlainDsm {
     void frame_came(double at) {
         const auto bytes = std::span(line_).subspan(begin_, 16);
         if (at - latest_ > 100) {
-            met_.clear();
-            new_row();
+            forget();
         }
         auto now = look(bytes);
         if (!now) {
@@ -194,8 +243,7 @@ class PlainDsm {
         }
         latest_ = at;
         if (std::ranges::any_of(met_, [&](const Met& met) { return met.bits != now->bits; })) {
-            met_.clear();
-            new_row();
+            forget();
         }
         const bool agrees = std::ranges::any_of(met_, [&](const Met& m) { return alike(m, *now); });
         now->at = at;
@@ -241,6 +289,10 @@ class PlainDsm {
     std::vector<std::uint8_t> line_;
     std::size_t begin_ = 0;
     bool aligned_ = false;
+    std::size_t burst_begin_ = 0;
+    bool needs_pause_ = false;
+    double waits_since_ = 0;
+    std::optional<OldRow> old_row_;
     int row_ = 0;
     std::set<int> in_row_;
     std::deque<Met> met_;

@@ -102,7 +102,10 @@ DsmDecoder::Step DsmDecoder::step(Instant received, DecodedFrame& frame) {
     }
     bool counts = false;
     if (buffer_.any_damaged() && buffer_.damaged(0, kDsmFrameBytes)) {
+        needs_pause_ = false;
         skipped_bytes_ += kDsmFrameBytes;
+    } else if (needs_pause_ && waits_for_pause(received)) {
+        return Step::wait;
     } else {
         const auto wire = buffer_.view(0, kDsmFrameBytes);
         counts = take(wire.data(), received);
@@ -112,6 +115,20 @@ DsmDecoder::Step DsmDecoder::step(Instant received, DecodedFrame& frame) {
     }
     buffer_.drop(kDsmFrameBytes);
     return counts ? Step::frame : Step::again;
+}
+
+/// Whether the frame at the front counts with the pause behind it. If more bytes follow, or it is
+/// another frame, the row is over.
+[[gnu::noinline]] bool DsmDecoder::waits_for_pause(Instant received) {
+    const Known* const known = recognise(buffer_.view(0, kDsmFrameBytes).data());
+    if (known != nullptr && known->counts && received - latest_frame_ <= kSilence &&
+        !buffer_.see(kDsmFrameBytes + 1)) {
+        waits_since_ = received;
+        return true;
+    }
+    needs_pause_ = false;
+    break_row();
+    return false;
 }
 
 /// Whether frames in a row from `start` on prove the place. All kSearchFrames of them must be
@@ -264,6 +281,9 @@ DsmDecoder::Known* DsmDecoder::recognise(const std::uint8_t* wire) {
     const bool agrees = std::ranges::any_of(
         known_, [&](const Known& known) { return known.used && known.layout.agrees(*layout); });
     Known& place = *std::ranges::min_element(known_, {}, &Known::order);
+    if (broken_row_) {
+        broken_row_->layouts &= ~(1U << static_cast<unsigned>(&place - known_.data()));
+    }
     place = {.layout = *layout, .order = ++frames_, .used = true};
     if (agrees) {
         return &place;
@@ -302,45 +322,29 @@ void DsmDecoder::skip(std::size_t count) {
     buffer_.drop(count);
 }
 
-/// Frames count again only after others have agreed; older values do not count any more.
-void DsmDecoder::break_row() {
-    agreeing_ = 0;
-    channels_in_row_ = 0;
-    usual_until_ = kNever;
-    for (Known& known : known_) {
-        known.counts = false;
-    }
-}
-
-void DsmDecoder::forget() {
-    break_row();
-    known_ = {};
-}
-
-/// A frame is whole before the pause. So what is left was cut off, or was never a frame.
-bool DsmDecoder::silence(DecodedFrame& /*frame*/) {
+/// A frame is whole before the pause. So what is left was cut off, or was never a frame, but for
+/// the one that waits.
+bool DsmDecoder::silence(DecodedFrame& frame) {
     buffer_.open({});
-    if (buffer_.size() != 0) {
+    bool counts = false;
+    if (needs_pause_ && aligned_ && buffer_.size() == kDsmFrameBytes && !buffer_.any_damaged()) {
+        needs_pause_ = false;
+        const auto wire = buffer_.view(0, kDsmFrameBytes);
+        counts = take(wire.data(), waits_since_);
+        if (counts) {
+            give(wire.data(), waits_since_, frame);
+        }
+        buffer_.drop(kDsmFrameBytes);
+    } else if (buffer_.size() != 0) {
         rejected_[kCut].count += aligned_ ? 1U : 0U;
         break_row();
         skip(buffer_.size());
     }
+    resume_row();
+    burst_begin_ = buffer_.first_position();
     buffer_.close();
     aligned_ = true;
-    return false;
-}
-
-void DsmDecoder::damaged_byte() {
-    buffer_.append_damaged();
-    ++rejected_[kDamaged].count;
-}
-
-void DsmDecoder::reset() {
-    buffer_.open({});
-    skip(buffer_.size());
-    buffer_.close();
-    forget();
-    aligned_ = false;
+    return counts;
 }
 
 std::span<const FrameDetail> DsmDecoder::details() const {

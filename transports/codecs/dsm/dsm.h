@@ -39,6 +39,10 @@ struct DsmLine {
 /// has its words in other places, or was cut off by a pause, breaks the row. kSilence without a
 /// frame also makes it forget the earlier ones.
 ///
+/// If the pauses show that the line lost or added bytes there, the row goes on instead: the next
+/// frame counts if it has a layout of the row, and pauses before and behind it. It comes with the
+/// pause.
+///
 /// A pause says that the next byte begins a frame. Further frames may follow without a pause as
 /// long as they agree. Else the decoder searches by content: 4 frames in a row must agree, with one
 /// of the documented system bytes, at no more than one place of 16.
@@ -79,6 +83,12 @@ class DsmDecoder final : public ByteDecoder {
         std::uint64_t order = 0;  ///< of its latest frame
         bool used = false;
     };
+    /// A row of agreeing frames that a break ended.
+    struct Row {
+        std::uint32_t channels = 0;
+        /// The known layouts that counted.
+        std::uint32_t layouts = 0;
+    };
     /// Room for two by turns, one of them with settings of a video transmitter, and a wrong one.
     static constexpr std::size_t kMostKnown = 4;
     static constexpr std::size_t kSearchFrames = 4;
@@ -97,6 +107,8 @@ class DsmDecoder final : public ByteDecoder {
     void give(const std::uint8_t* wire, Instant received, DecodedFrame& frame);
     void skip(std::size_t count);
     void break_row();
+    void resume_row();
+    bool waits_for_pause(Instant received);
     void forget();
 
     void keep(Known& known, const std::uint8_t* wire, Instant received);
@@ -112,6 +124,14 @@ class DsmDecoder final : public ByteDecoder {
     /// The channels of the present row of agreeing frames.
     std::uint32_t channels_in_row_ = 0;
     std::array<Known, kMostKnown> known_{};
+    /// Until the pause behind the break.
+    std::optional<Row> broken_row_{};
+    /// Position of the first byte behind the latest pause.
+    std::uint64_t burst_begin_ = 0;
+    /// The row goes on: the next frame counts if a pause shows its end.
+    bool needs_pause_ = false;
+    /// When the frame came that waits for that pause.
+    Instant waits_since_{};
     std::uint64_t frames_ = 0;
     /// Of the latest plausible frame.
     Instant latest_frame_{};

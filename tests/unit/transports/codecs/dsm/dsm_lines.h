@@ -61,19 +61,28 @@ class PausedLine {
                         DsmResolution resolution = DsmResolution::either)
         : decoder_(scale, resolution) {}
 
-    /// Returns the last frame that counts, if any.
+    /// Returns the last frame that counts at once, if any.
     std::optional<ChannelFrame> hear(const Bytes& bytes, Duration after = 11ms,
                                      Split split = kOneRead) {
         now_ += after;
-        DecodedFrame late;
-        EXPECT_FALSE(decoder_.silence(late));
         std::vector<DecodedFrame> frames;
+        pause();
         feed_into(frames, decoder_, bytes, split, now_);
         frames_ += frames.size();
         return frames.empty() ? std::nullopt : std::optional(frames.back().channels);
     }
     std::optional<ChannelFrame> hear(std::string_view hex, Duration after = 11ms) {
         return hear(from_hex(hex), after);
+    }
+    /// The pause behind what was heard. Returns the frame that it shows.
+    std::optional<ChannelFrame> pause() {
+        std::optional<ChannelFrame> shown;
+        DecodedFrame frame;
+        while (decoder_.silence(frame)) {
+            shown = frame.channels;
+            ++frames_;
+        }
+        return shown;
     }
     DsmDecoder& decoder() { return decoder_; }
     Instant now() const { return now_; }

@@ -203,8 +203,8 @@ TEST(DsmDecoder, FindsWhatThePlainFormFindsOnAnyLine) {
         std::vector<DecodedFrame> found;
         for (const auto& read : reads) {
             DecodedFrame late;
-            if (read.pause_before && decoder.silence(late)) {
-                ADD_FAILURE() << "a pause makes no frame";
+            while (read.pause_before && decoder.silence(late)) {
+                found.push_back(late);
             }
             const auto at = Instant(std::chrono::milliseconds(static_cast<int>(read.at)));
             feed_into(found, decoder, read.bytes, {.longest = 20, .seed = seed}, at);

@@ -114,32 +114,65 @@ TEST(DsmDecoder, ALongerSilenceNeedsTheWholeProofAgain) {
 TEST(DsmDecoder, EachBreakNeedsTwoAgreeingFramesAgain) {
     Bytes twice = from_hex(kPhaseA);
     twice[12] = 0x3C;  // channel 7 again
-    const Bytes cut = [] {
-        Bytes bytes = from_hex(kPhaseA);
-        bytes.pop_back();
-        return bytes;
-    }();
-    Bytes long_one = from_hex(kPhaseA);
-    long_one.push_back(0x00);
-    for (const Bytes& wrong : {twice, cut, Bytes{0x00}, seven(1024), Bytes(16, 0xFF)}) {
+    for (const Bytes& wrong : {twice, seven(1024), Bytes(16, 0xFF)}) {
         PausedLine line;
         for (int i = 0; i < 4; ++i) {
             line.hear(i % 2 == 0 ? kPhaseA : kPhaseB);
         }
         EXPECT_FALSE(line.hear(wrong)) << wrong.size();
         EXPECT_FALSE(line.hear(kPhaseB)) << wrong.size();
+        EXPECT_FALSE(line.pause()) << wrong.size();
         const auto frame = line.hear(kPhaseA);
         ASSERT_TRUE(frame) << wrong.size();
         EXPECT_EQ(us(frame, 1), 1501.75);
     }
-    // Only the pause after a frame shows that it was too long.
+}
+
+TEST(DsmDecoder, ABurstOfAnotherLengthLetsTheNextFrameWaitForItsPause) {
+    const Bytes good = from_hex(kPhaseA);
+    Bytes long_one = good;
+    long_one.push_back(0x00);
+    Bytes changed = good;
+    changed.insert(changed.begin() + 3, 0x55);
+    for (const Bytes& wrong :
+         {Bytes(good.begin(), good.end() - 1), Bytes{0x00}, Bytes(15, 0xFF), long_one, changed}) {
+        PausedLine line;
+        for (int i = 0; i < 4; ++i) {
+            line.hear(i % 2 == 0 ? kPhaseA : kPhaseB);
+        }
+        for (int time = 0; time < 3; ++time) {
+            line.hear(wrong);
+        }
+        EXPECT_FALSE(line.hear(kPhaseB)) << wrong.size();
+        const auto shown = line.pause();
+        ASSERT_TRUE(shown) << wrong.size();
+        EXPECT_TRUE(shown->has_first(4)) << "phase A came less than 100 ms before";
+        EXPECT_TRUE(line.hear(kPhaseA)) << wrong.size();
+    }
+}
+
+TEST(DsmDecoder, AFrameThatWaitsForItsPauseIsNoneIfMoreBytesFollow) {
     PausedLine line;
     for (int i = 0; i < 4; ++i) {
         line.hear(i % 2 == 0 ? kPhaseA : kPhaseB);
     }
-    line.hear(long_one);
-    EXPECT_FALSE(line.hear(kPhaseB));
-    EXPECT_TRUE(line.hear(kPhaseA));
+    line.hear(Bytes{0x00});
+    Bytes added = from_hex(kPhaseA);
+    added.insert(added.begin() + 15, 0x55);
+    EXPECT_FALSE(line.hear(added));
+    EXPECT_FALSE(line.pause());
+    EXPECT_FALSE(line.hear(kPhaseA)) << "it waits for its own pause";
+    EXPECT_TRUE(line.pause());
+}
+
+TEST(DsmDecoder, NoFrameWaitsForItsPauseAfterALongerSilence) {
+    PausedLine line;
+    for (int i = 0; i < 4; ++i) {
+        line.hear(i % 2 == 0 ? kPhaseA : kPhaseB);
+    }
+    line.hear(Bytes{0x00});
+    EXPECT_FALSE(line.hear(kPhaseA, 101ms));
+    EXPECT_FALSE(line.pause());
 }
 
 TEST(DsmDecoder, AChannelThatIsNotRenewedBecomesAbsent) {
@@ -166,7 +199,7 @@ TEST(DsmDecoder, ValuesFromBeforeABreakDoNotComeBack) {
     for (int i = 0; i < 4; ++i) {
         line.hear(i % 2 == 0 ? kPhaseA : kPhaseB);
     }
-    line.hear(Bytes{0x00});
+    line.hear(Bytes(16, 0xFF));
     line.hear(kPhaseB);
     EXPECT_FALSE(line.hear(kPhaseB)) << "of the primary channels, phase B has no throttle";
     const auto frame = line.hear(kPhaseA);
@@ -274,7 +307,7 @@ TEST(DsmDecoder, AFlippedBitIsRefusedOrChangesOneValueOnly) {
     }
 }
 
-TEST(DsmDecoder, ALostOrAddedByteCostsTheFrameAndTheNextProof) {
+TEST(DsmDecoder, ALostOrAddedByteCostsOnlyItsFrame) {
     for (std::size_t at = 0; at < 16; ++at) {
         for (const FaultKind kind : {FaultKind::lost, FaultKind::added}) {
             const Fault fault{kind, at, 0x55};
@@ -287,6 +320,7 @@ TEST(DsmDecoder, ALostOrAddedByteCostsTheFrameAndTheNextProof) {
             // only if it changes what a word is.
             EXPECT_FALSE(hit) << fault;
             EXPECT_FALSE(line.hear(kPhaseB)) << fault;
+            EXPECT_TRUE(line.pause()) << fault;
             EXPECT_TRUE(line.hear(kPhaseA)) << fault;
         }
     }
