@@ -146,6 +146,13 @@ Finding ibus2() {
                    "it.");
 }
 
+Finding sbus24() {
+    return finding(Severity::problem, "line.sbus24",
+                   "FrSky's SBUS with 24 channels is on it, whose frames have 36 bytes",
+                   "An input of SBUS reads frames of 25 bytes only.",
+                   "Set the receiver to SBUS with 16 channels, in the transmitter's menu.");
+}
+
 void judge_frames(const LineStory& story, std::vector<Finding>& findings) {
     if (kBadShare * story.lost_bytes > story.bytes) {
         findings.push_back(
@@ -205,6 +212,9 @@ std::string describe(const LineStory& story) {
             return "a line that is low most of the time";
         case LineSound::ibus2:
             return "i-BUS2";
+        case LineSound::sbus24:
+            return fmt::format("FrSky's SBUS with 24 channels, {}; {} frames in {}",
+                               format_of(story.line), story.frames, seconds_text(story.listened));
         case LineSound::unknown:
             break;
     }
@@ -231,6 +241,9 @@ std::vector<Finding> judge_story(const LineStory& story, const std::string& node
             break;
         case LineSound::ibus2:
             findings.push_back(ibus2());
+            break;
+        case LineSound::sbus24:
+            findings.push_back(sbus24());
             break;
         case LineSound::unknown:
             findings.push_back(unknown(story));

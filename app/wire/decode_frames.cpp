@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "app/cli/exit_status.h"
+#include "app/wire/fitting_protocols.h"
 #include "app/wire/frames/frame_json.h"
 #include "app/wire/frames/frame_text.h"
 #include "core/counted.h"
@@ -185,6 +186,7 @@ int decode_unknown(RecordingSource& recording, std::span<const ProtocolUse> uses
     for (const ProtocolUse& use : uses) {
         names.push_back(use.protocol->name);
     }
+    output.messages << unread_frames_text(recording);
     output.messages << fmt::format(
         "tribus: no {} of {} in {}\n", tally.can ? "snapshot" : "frame", fmt::join(names, " or "),
         tally.can ? counted(tally.can->frames, "CAN frame") : counted(tally.bytes, "byte"));

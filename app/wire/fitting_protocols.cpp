@@ -10,8 +10,28 @@
 #include "app/wire/sensors/sensor_frame_finder.h"
 #include "core/counted.h"
 #include "transports/codecs/ibus_sensor/ibus_sensor.h"
+#include "transports/codecs/sbus/sbus24.h"
 
 namespace tribus {
+
+namespace {
+
+class Sbus24Taker final : public RecordingTaker {
+  public:
+    void feed_burst(std::size_t /*index*/, const Burst& burst) override { watch.take(burst.bytes); }
+    Sbus24Watch watch;
+};
+
+}  // namespace
+
+std::string unread_frames_text(RecordingSource& recording) {
+    Sbus24Taker taker;
+    recording.read(taker);
+    const std::uint64_t frames = taker.watch.frames();
+    return frames == 0
+               ? std::string()
+               : fmt::format("tribus: it has {} of {}\n", counted(frames, "frame"), kSbus24Text);
+}
 
 std::string no_frame_text(RecordingSource& recording, std::string_view asked, std::uint64_t given) {
     const bool can = recording.kind() == RecordingKind::candump;
@@ -37,9 +57,11 @@ std::string no_frame_text(RecordingSource& recording, std::string_view asked, st
         add(uses[i].protocol->name, finders[i]->tally());
     }
     add(kSensorBusName, sensors.tally().frames);
-    return fmt::format(
-        "tribus: no frame of {} in {}; {}\n", asked, counted(given, can ? "CAN frame" : "byte"),
-        fitting.empty() ? "no other protocol finds any" : "protocols that find frames: " + fitting);
+    return unread_frames_text(recording) +
+           fmt::format("tribus: no frame of {} in {}; {}\n", asked,
+                       counted(given, can ? "CAN frame" : "byte"),
+                       fitting.empty() ? "no other protocol finds any"
+                                       : "protocols that find frames: " + fitting);
 }
 
 }  // namespace tribus

@@ -144,6 +144,19 @@ void PlainSbusDecoder::skip(std::size_t count) {
     skipped_bytes_ += count;
 }
 
+/// Whether the first 36 bytes are a frame of 24 channels.
+bool PlainSbusDecoder::is_wide() const {
+    return buffer_[0] == kHeader && flags_allowed(buffer_[34]) && buffer_[35] == 0;
+}
+
+/// Whether the bytes since the latest pause are as many as some of them have, and end like one.
+bool PlainSbusDecoder::wide_burst() const {
+    const std::size_t size = buffer_.size();
+    const std::uint64_t burst = buffer_.first_position() + size - burst_begin_;
+    return burst != 0 && burst % 36 == 0 && size >= 2 && flags_allowed(buffer_[size - 2]) &&
+           buffer_[size - 1] == 0;
+}
+
 bool PlainSbusDecoder::step_unlocked() {
     switch (judge(0)) {
         case Verdict::no:
@@ -178,6 +191,15 @@ bool PlainSbusDecoder::step_locked() {
         return false;
     }
     if (may_be_frame && well_formed(0) && (!slots_begin || judge(0) == Verdict::yes)) {
+        if (state_ == State::expecting && buffer_.size() < 37) {
+            return false;
+        }
+        if (state_ == State::expecting && is_wide()) {
+            skip(36);
+            return true;
+        }
+        length_shown_ = true;
+        state_ = State::locked;
         frame_ready_ = true;
     } else if (may_be_frame && only_damaged(0)) {
         skip(kSbusFrameLength);
@@ -255,6 +277,7 @@ void PlainSbusDecoder::end_recovering(State next) {
 void PlainSbusDecoder::lock_onto(std::size_t start) {
     skip(start);
     std::ranges::copy(buffer_.view(0, kSbusFrameLength), latest_.begin());
+    length_shown_ = true;
     end_recovering(State::locked);
     frame_ready_ = true;
 }
@@ -297,6 +320,7 @@ std::optional<DecodedFrame> PlainSbusDecoder::next(std::span<const std::uint8_t>
                 case State::unlocked:
                     stepped = step_unlocked();
                     break;
+                case State::expecting:
                 case State::locked:
                     stepped = step_locked();
                     break;
@@ -320,22 +344,33 @@ std::optional<DecodedFrame> PlainSbusDecoder::next(std::span<const std::uint8_t>
 /// A pause cuts off the bytes in the buffer. A frame that ends at the pause is proved only if it is
 /// all that ever came, if it stands in its place, or if no frame began where one was expected.
 std::optional<DecodedFrame> PlainSbusDecoder::silence() {
+    const std::size_t size = buffer_.size();
+    const bool wide = wide_burst();
     const bool first_of_all =
-        buffer_.first_position() == start_position_ && buffer_.size() == kSbusFrameLength;
-    const bool in_place = state_ == State::locked && buffer_.size() == kSbusFrameLength;
-    const bool behind_noise = state_ != State::locked && (first_of_all || stray_bytes_) &&
-                              buffer_.size() >= kSbusFrameLength;
-    if ((in_place || behind_noise) && well_formed(buffer_.size() - kSbusFrameLength)) {
-        lock_onto(buffer_.size() - kSbusFrameLength);
+        buffer_.first_position() == start_position_ && size == kSbusFrameLength;
+    const bool in_step = state_ == State::locked || state_ == State::expecting;
+    const bool in_place = in_step && size == kSbusFrameLength;
+    const bool behind_noise =
+        !in_step && !wide && (first_of_all || stray_bytes_) && size >= kSbusFrameLength;
+    if ((in_place || behind_noise) && well_formed(size - kSbusFrameLength)) {
+        lock_onto(size - kSbusFrameLength);
         return take_frame(Instant{});
     }
-    const bool frame_began = buffer_.size() > 0 && (buffer_[0] == kHeader || buffer_.damaged(0));
-    if (state_ == State::locked && frame_began) {
+    const bool before_noise = state_ == State::expecting && !wide && size > kSbusFrameLength;
+    if (before_noise && well_formed(0) &&
+        (!slots_follow(buffer_[kFooterAt]) || slots_follow(latest_[kFooterAt]))) {
+        lock_onto(0);
+        return take_frame(Instant{});
+    }
+    const bool frame_began = size > 0 && (buffer_[0] == kHeader || buffer_.damaged(0));
+    if (in_step && frame_began) {
         ++rejected_[kFraming].count;
     }
-    skip(buffer_.size());
+    skip(size);
     stray_bytes_ = false;
-    state_ = State::locked;
+    length_shown_ = length_shown_ && !wide;
+    burst_begin_ = buffer_.first_position();
+    state_ = length_shown_ ? State::locked : State::expecting;
     return std::nullopt;
 }
 
@@ -343,8 +378,10 @@ void PlainSbusDecoder::reset() {
     skip(buffer_.size());
     stray_bytes_ = false;
     slots_left_ = 0;
+    length_shown_ = false;
     state_ = State::unlocked;
     start_position_ = buffer_.first_position();
+    burst_begin_ = start_position_;
 }
 
 std::optional<DecodedFrame> PlainSbusDecoder::finish() {
@@ -352,6 +389,9 @@ std::optional<DecodedFrame> PlainSbusDecoder::finish() {
         return start + kSbusFrameLength <= buffer_.size() && judge(start) == Verdict::undecided;
     };
     std::size_t start = 0;
+    if (wide_burst()) {
+        return std::nullopt;
+    }
     if (state_ == State::recovering) {
         const auto* found = std::ranges::find_if(
             kEnds, [&](std::size_t end) { return last_frame_at(after_slots(end)); });

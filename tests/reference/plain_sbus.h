@@ -40,7 +40,7 @@ class PlainSbusDecoder {
     std::span<const FrameDetail> details() const { return details_; }
 
   private:
-    enum class State : std::uint8_t { unlocked, locked, recovering };
+    enum class State : std::uint8_t { unlocked, expecting, locked, recovering };
     enum class Verdict : std::uint8_t { no, undecided, yes };
     enum RejectCause : std::size_t { kFraming, kDamaged };
 
@@ -65,6 +65,8 @@ class PlainSbusDecoder {
     std::size_t after_slots(std::size_t start) const;
     Verdict judge(std::size_t start) const;
     int likeness(std::size_t start) const;
+    bool is_wide() const;
+    bool wide_burst() const;
 
     /// Each function does one step. It returns false when it needs more bytes.
     bool step_unlocked();
@@ -81,6 +83,9 @@ class PlainSbusDecoder {
     /// There is no header where a frame should be. It counts as an error if a frame follows without
     /// a pause.
     bool stray_bytes_ = false;
+    /// Frames have 25 bytes, as what followed one has shown; not the 36 of 24 channels.
+    bool length_shown_ = false;
+    std::uint64_t burst_begin_ = 0;
     std::uint64_t start_position_ = 0;
     std::size_t slots_left_ = 0;
     std::array<std::uint8_t, kSbusFrameLength> latest_{};

@@ -14,6 +14,7 @@
 #include "transports/codecs/ibus2/ibus2.h"
 #include "transports/codecs/ibus_sensor/ibus_sensor.h"
 #include "transports/codecs/sbus/sbus.h"
+#include "transports/codecs/sbus/sbus24.h"
 #include "transports/registry/registry.h"
 
 namespace tribus::doctor {
@@ -292,6 +293,25 @@ std::optional<LineStory> judge_inversion(std::span<const Heard> heard) {
     return best;
 }
 
+std::optional<LineStory> judge_sbus24(std::span<const Heard> heard) {
+    for (const Heard& one : heard) {
+        Sbus24Watch watch;
+        std::vector<Duration> starts;
+        for (const Burst& burst : one.bursts) {
+            watch.take(burst.bytes);
+            starts.push_back(burst.start.value_or(Duration::zero()));
+        }
+        if (watch.frames() >= kFewestFramesToJudge) {
+            LineStory story = story_of(one);
+            story.sound = LineSound::sbus24;
+            story.frames = watch.frames();
+            story.period = usual_step(starts);
+            return story;
+        }
+    }
+    return std::nullopt;
+}
+
 LineStory judge_rest(std::span<const Heard> heard) {
     LineStory all;
     ByteCount count;
@@ -315,8 +335,8 @@ LineStory judge_rest(std::span<const Heard> heard) {
 }  // namespace
 
 std::string_view sound_name(LineSound sound) {
-    constexpr std::array<std::string_view, 7> kNames{
-        "silence", "frames", "wrong_parity", "inverted", "breaks", "ibus2", "unknown"};
+    constexpr std::array<std::string_view, 8> kNames{
+        "silence", "frames", "wrong_parity", "inverted", "breaks", "ibus2", "sbus24", "unknown"};
     return kNames[static_cast<std::size_t>(sound)];
 }
 
@@ -330,6 +350,9 @@ LineStory judge_line(std::span<const Heard> heard) {
             story->sound = LineSound::ibus2;
             story->protocol = {};
         }
+        return *std::move(story);
+    }
+    if (auto story = judge_sbus24(heard)) {
         return *std::move(story);
     }
     if (auto story = best_of(heard, false)) {

@@ -20,6 +20,7 @@ enum class LineSound : std::uint8_t {
     inverted,      ///< inverted frames of a protocol
     breaks,        ///< the line is low most of the time; nothing else is known
     ibus2,         ///< FlySky's newer protocol; tribus only listens to it
+    sbus24,        ///< FrSky's SBUS with 24 channels
     unknown,       ///< bytes of unknown origin
 };
 std::string_view sound_name(LineSound sound);

@@ -110,7 +110,7 @@ inline SbusDecoder::Step SbusDecoder::step_locked() {
             return buffer_.see(here.wanted) ? Step::again : Step::wait;
         }
         if (here.verdict == Verdict::yes) {
-            return Step::frame;
+            return state_ == State::expecting ? step_expecting() : Step::frame;
         }
     }
     if (may_be_frame && only_damaged(0)) {
@@ -193,6 +193,7 @@ void SbusDecoder::give_up_recovering() {
 void SbusDecoder::lock_onto(std::size_t start) {
     skip(start);
     std::ranges::copy(buffer_.view(0, kSbusFrameLength), frames_[latest_].wire.begin());
+    length_shown_ = true;
     end_recovering(State::locked);
 }
 
@@ -226,6 +227,7 @@ inline SbusDecoder::Step SbusDecoder::step() {
     switch (state_) {
         case State::unlocked:
             return step_unlocked();
+        case State::expecting:
         case State::locked:
             return step_locked();
         case State::recovering:

@@ -3,33 +3,64 @@
 #include <span>
 
 #include "transports/codecs/sbus/sbus.h"
+#include "transports/codecs/sbus/sbus24.h"
 #include "transports/codecs/sbus/wire.h"
 
-/// What the SBUS decoder does when the line pauses or is unplugged, or a recording ends.
+/// What the SBUS decoder does when the line pauses or is unplugged, or a recording ends, and how it
+/// tells frames of 24 channels.
 namespace tribus {
 
 using namespace sbus_wire;
+
+/// A frame stands at the front, if these are not 24 channels.
+SbusDecoder::Step SbusDecoder::step_expecting() {
+    if (!buffer_.see(kSbus24FrameLength + 1)) {
+        return Step::wait;
+    }
+    if (is_sbus24_frame(buffer_.view(0, kSbus24FrameLength).first<kSbus24FrameLength>())) {
+        skip(kSbus24FrameLength);
+        return Step::again;
+    }
+    state_ = State::locked;
+    length_shown_ = true;
+    return Step::frame;
+}
+
+/// Whether the bytes before this pause are whole frames of 24 channels.
+bool SbusDecoder::wide_burst_ends() const {
+    const std::size_t size = buffer_.size();
+    const std::uint64_t burst = buffer_.first_position() + size - burst_begin_;
+    return burst != 0 && burst % kSbus24FrameLength == 0 && size >= 2 &&
+           flags_allowed(buffer_[size - 2]) && buffer_[size - 1] == 0;
+}
 
 /// A pause proves a frame as well as a second frame does, if no bytes before the frame may belong
 /// to it.
 bool SbusDecoder::silence(DecodedFrame& frame) {
     buffer_.open({});
     const std::size_t size = buffer_.size();
+    const bool wide = wide_burst_ends();
     const bool alone =
         stray_bytes_ || (buffer_.first_position() == start_position_ && size == kSbusFrameLength);
     // A frame that waits for its proof; its slots may come after the pause.
-    const bool in_place = state_ == State::locked && size == kSbusFrameLength && last_frame_at(0);
-    const bool whole = in_place || (state_ != State::locked && alone && size >= kSbusFrameLength &&
-                                    last_frame_at(size - kSbusFrameLength));
+    const bool in_place = in_step() && size == kSbusFrameLength && last_frame_at(0);
+    // What stands between it and the pause is no matter, but if it is the rest of 24 channels.
+    const bool first = state_ == State::expecting && !wide && size > kSbusFrameLength &&
+                       well_formed(0) && footer_expected(buffer_[kFooterAt]);
+    const bool last = !in_step() && !wide && alone && size >= kSbusFrameLength &&
+                      last_frame_at(size - kSbusFrameLength);
+    const bool whole = in_place || first || last;
     if (whole) {
-        lock_onto(size - kSbusFrameLength);
+        lock_onto(last ? size - kSbusFrameLength : 0);
         take_front(Instant{}, frame);
     } else {
         const bool frame_began = size != 0 && (buffer_[0] == kHeader || buffer_.damaged(0));
-        rejected_[kFraming].count += state_ == State::locked && frame_began ? 1U : 0U;
+        rejected_[kFraming].count += in_step() && frame_began ? 1U : 0U;
         skip(size);
-        state_ = State::locked;
+        length_shown_ = length_shown_ && !wide;
+        state_ = length_shown_ ? State::locked : State::expecting;
         stray_bytes_ = false;
+        burst_begin_ = buffer_.first_position();
     }
     buffer_.close();
     return whole;
@@ -43,12 +74,16 @@ void SbusDecoder::reset() {
     stray_bytes_ = false;
     slots_left_ = 0;
     start_position_ = buffer_.first_position();
+    length_shown_ = false;
+    burst_begin_ = start_position_;
 }
 
 std::optional<DecodedFrame> SbusDecoder::finish() {
     buffer_.open({});
     std::size_t start = 0;
-    if (state_ == State::recovering) {
+    if (wide_burst_ends()) {
+        start = buffer_.size();
+    } else if (state_ == State::recovering) {
         const auto* found = std::ranges::find_if(
             kEnds, [&](std::size_t end) { return last_frame_at(after_slots(end)); });
         start = found == kEnds.end() ? 0 : after_slots(*found);

@@ -43,6 +43,10 @@ void emit_sbus(const SbusFrame& frame, std::span<std::uint8_t, kSbusFrameLength>
 /// slots in between. A locked decoder accepts a frame with its last byte, but wants the second
 /// frame or a pause where a footer announces slots and the frame before had none. Thread-bound.
 ///
+/// FrSky's frames of 24 channels have 36 bytes, and channel 17 in the place of the flags. Until a
+/// frame has shown that the line has others, and again after 36 such bytes between two pauses, a
+/// frame waits for the pause behind it, or the 37th byte, so that none of 36 is read as one of 25.
+///
 /// A pause locks the decoder: the next byte is expected to begin a frame. So bytes between a frame
 /// and the next pause do no harm, and bytes after a pause never complete bytes before it.
 ///
@@ -65,7 +69,9 @@ class SbusDecoder final : public ByteDecoder {
     std::span<const FrameDetail> details() const override;
 
   private:
-    enum class State : std::uint8_t { unlocked, locked, recovering };
+    /// `expecting`: the next byte is in the place of a frame, as in `locked`, but the frame may be
+    /// one of 24 channels.
+    enum class State : std::uint8_t { unlocked, expecting, locked, recovering };
     enum class Verdict : std::uint8_t { no, undecided, yes };
     struct Judgement {
         Verdict verdict = Verdict::no;
@@ -107,6 +113,8 @@ class SbusDecoder final : public ByteDecoder {
                          DecodedFrame& frame);
     bool well_formed(std::size_t start) const;
     bool only_damaged(std::size_t start) const;
+    bool wide_burst_ends() const;
+    bool in_step() const { return state_ == State::locked || state_ == State::expecting; }
     bool footer_expected(std::uint8_t footer) const;
     bool last_frame_at(std::size_t start) const;
     std::size_t after_slots(std::size_t start) const;
@@ -116,6 +124,7 @@ class SbusDecoder final : public ByteDecoder {
     Step step();
     Step step_unlocked();
     Step step_locked();
+    Step step_expecting();
     Step step_recovering();
     Step step_recovering_among_slots();
     void give_up_recovering();
@@ -137,6 +146,10 @@ class SbusDecoder final : public ByteDecoder {
     /// The bytes in the place of a frame did not begin like one. They count as a bad frame only if
     /// no pause follows, and do not belong to a frame that ends with that pause.
     bool stray_bytes_ = false;
+    /// A frame came, and no burst of 24 channels since then.
+    bool length_shown_ = false;
+    /// Position of the first byte behind the latest pause.
+    std::uint64_t burst_begin_ = 0;
     /// Position of the first byte of the stream, or of the first one after a reset.
     std::uint64_t start_position_ = 0;
     std::size_t slots_left_ = 0;

@@ -105,7 +105,7 @@ TEST(DoctorsLines, of_an_inverted_line_are_those_behind_the_inverter) {
 
 TEST(DoctorsLines, are_none_where_nothing_can_be_read) {
     for (const LineSound sound : {LineSound::silence, LineSound::wrong_parity, LineSound::breaks,
-                                  LineSound::ibus2, LineSound::unknown}) {
+                                  LineSound::ibus2, LineSound::sbus24, LineSound::unknown}) {
         EXPECT_TRUE(configuration_lines(heard(sound, "sbus", kSbusLine), "/dev/x").empty());
     }
 }
@@ -126,6 +126,7 @@ TEST(DoctorsWords, each_sound_has_its_finding) {
     EXPECT_EQ(ids(heard(LineSound::wrong_parity, "sbus", kSbusLine)), Ids{"line.wrong_parity"});
     EXPECT_EQ(ids(heard(LineSound::breaks, "", kSbusLine)), Ids{"line.low"});
     EXPECT_EQ(ids(heard(LineSound::ibus2, "", kIbusLine)), Ids{"line.ibus2"});
+    EXPECT_EQ(ids(heard(LineSound::sbus24, "", kSbusLine)), Ids{"line.sbus24"});
     EXPECT_EQ(ids(heard(LineSound::unknown, "", kIbusLine)), Ids{"line.unknown"});
 }
 

@@ -50,6 +50,22 @@ std::string lines_of(std::initializer_list<std::string_view> lines) {
     return text;
 }
 
+// captures/field/f08_sbus24_centre.txt
+TEST(Decode, NamesSbusWith24Channels) {
+    const std::string_view frame =
+        "0f e0 03 1f f8 c0 07 3e f0 81 0f 7c e0 03 1f f8 c0 07 3e f0 81 0f 7c e0 03 1f f8 c0 07 3e "
+        "f0 81 0f 7c 00 00";
+    for (const char* const protocol : {"sbus", "auto", "ibus"}) {
+        const Outcome outcome =
+            decoded(lines_of({frame, frame, frame}), protocol, DecodeFormat::json);
+        EXPECT_NE(outcome.messages.find("tribus: it has 3 frames of FrSky's SBUS with 24 channels "
+                                        "(36 bytes), which tribus does not read; set the receiver "
+                                        "to 16 channels\n"),
+                  std::string::npos)
+            << protocol << ": " << outcome.messages;
+    }
+}
+
 TEST(Decode, JsonEndsWithASummary) {
     const Outcome outcome = decoded(lines_of({kIbus14}), "ibus", DecodeFormat::json);
     EXPECT_EQ(outcome.status, kExitFine);

@@ -46,7 +46,7 @@ Bytes first_of_hundreds(std::size_t count) {
 
 TEST(SbusPauses, AFrameBehindAPauseNeedsNoSecondOneAsProof) {
     SbusDecoder decoder;
-    const auto frames = with_pauses(decoder, {from_hex("10 64 40"), hundreds()});
+    const auto frames = with_pauses(decoder, {from_hex("10 64 40"), hundreds(), {}});
     ASSERT_EQ(frames.size(), 1U);
     EXPECT_EQ(frames[0].first_byte, 3U);
 }
@@ -160,14 +160,14 @@ TEST(SbusPauses, BehindAResetNothingOfBeforeCompletesAFrame) {
             const auto frames =
                 feed(decoder, std::span(rest).subspan(from == 0 ? kSbusFrameLength : from));
             ASSERT_TRUE(frames.empty()) << cut << " bytes, then from " << from;
-            ASSERT_EQ(with_pauses(decoder, {{}, hundreds()}).size(), 1U);
+            ASSERT_EQ(with_pauses(decoder, {{}, hundreds(), {}}).size(), 1U);
         }
     }
 }
 
 TEST(SbusPauses, BehindAResetAFrameNeedsItsProofAnew) {
     SbusDecoder decoder;
-    ASSERT_EQ(with_pauses(decoder, {{}, hundreds()}).size(), 1U);
+    ASSERT_EQ(with_pauses(decoder, {{}, hundreds(), {}}).size(), 1U);
     decoder.reset();
     EXPECT_TRUE(feed(decoder, hundreds()).empty());
     EXPECT_FALSE(feed(decoder, hundreds()).empty()) << "the second one proves the first";
