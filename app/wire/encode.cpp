@@ -4,6 +4,7 @@
 
 #include <cerrno>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <fstream>
 #include <iostream>
@@ -17,6 +18,7 @@
 #include "app/cli/configured_use.h"
 #include "app/cli/exit_status.h"
 #include "app/wire/frames/frame_json.h"
+#include "core/counted.h"
 
 namespace tribus {
 namespace {
@@ -38,6 +40,42 @@ constexpr std::size_t kLongestInterface = 15;
 /// Writes all channels that decode printed, if the protocol has room for them. The configuration's
 /// default of 14 suits receivers that know no more.
 const GivenSettings kEncodeDefaults{{"channels", "18"}};
+
+/// Counts the flags of frames that the protocol cannot carry: its readers take the values for good
+/// ones.
+class DroppedFlags {
+  public:
+    DroppedFlags(const ProtocolUse& use, bool marks_frame_lost)
+        : protocol_(use.protocol->name),
+          carries_failsafe_(use.protocol->signals_failsafe == nullptr ||
+                            use.protocol->signals_failsafe(use.settings)),
+          carries_frame_lost_(marks_frame_lost) {}
+
+    void take(const ChannelFrame& frame) {
+        if (frame.failsafe) {
+            failsafe_ += carries_failsafe_ ? 0U : 1U;
+        } else if (frame.frame_lost) {
+            frame_lost_ += carries_frame_lost_ ? 0U : 1U;
+        }
+    }
+    void report(std::ostream& messages) const {
+        for (const auto& [count, mark] :
+             {std::pair(failsafe_, "failsafe"), std::pair(frame_lost_, "frame-lost")}) {
+            if (count > 0) {
+                messages << fmt::format(
+                    "tribus: {} marked {} written without the mark, which {} cannot carry\n",
+                    counted(count, "frame"), mark, protocol_);
+            }
+        }
+    }
+
+  private:
+    std::string_view protocol_;
+    bool carries_failsafe_;
+    bool carries_frame_lost_;
+    std::uint64_t failsafe_ = 0;
+    std::uint64_t frame_lost_ = 0;
+};
 
 /// The next line, cut at the longest allowed length; then `too_long` is true.
 std::optional<std::string_view> next_line(std::istream& lines, std::vector<char>& buffer,
@@ -182,6 +220,7 @@ int encode_lines(std::istream& lines, std::string_view name, const ProtocolUse& 
     std::vector<char> buffer(kLongestJsonLine);
     unsigned mistakes = 0;
     bool too_long = false;
+    DroppedFlags dropped(use, writer->marks_frame_lost());
     for (unsigned number = 1; results.good(); ++number) {
         const auto line = next_line(lines, buffer, too_long);
         if (!line) {
@@ -197,6 +236,9 @@ int encode_lines(std::istream& lines, std::string_view name, const ProtocolUse& 
         } else if (*frame) {
             const auto written = writer->write(**frame);
             mistake.text = written ? std::string() : written.error();
+            if (written) {
+                dropped.take((*frame)->channels);
+            }
         }
         if (mistake.text.empty()) {
             continue;
@@ -208,6 +250,7 @@ int encode_lines(std::istream& lines, std::string_view name, const ProtocolUse& 
         }
     }
     writer->finish(messages);
+    dropped.report(messages);
     return mistakes == 0 ? kExitFine : kExitFailed;
 }
 

@@ -70,22 +70,50 @@ std::optional<Duration> parse_seconds(std::string_view text) {
     return Duration(std::llround(seconds * 1e9));
 }
 
+/// One byte as programs print it: `0x20`, `0xF`, perhaps with a comma behind it.
+std::optional<std::uint8_t> parse_prefixed_byte(std::string_view text) {
+    text = text.substr(0, text.size() - (text.ends_with(',') ? 1 : 0));
+    const bool prefixed = text.starts_with("0x") || text.starts_with("0X");
+    return prefixed && text.size() <= 4 ? parse_byte(text.substr(2), 16) : std::nullopt;
+}
+
+/// Adds the bytes of a word. Returns false if it is none.
+bool add_word(std::string_view word, Burst& burst) {
+    const auto add = [&burst](std::uint8_t byte, bool damaged) {
+        burst.bytes.push_back(byte);
+        burst.damaged.push_back(damaged);
+    };
+    const bool damaged = word.ends_with(recording_text::kDamagedMark);
+    const std::string_view text = word.substr(0, word.size() - (damaged ? 1 : 0));
+    if (const auto prefixed = parse_prefixed_byte(text)) {
+        add(*prefixed, damaged);
+        return true;
+    }
+    // A mark belongs to one byte.
+    if (text.empty() || text.size() % 2 != 0 || (damaged && text.size() != 2)) {
+        return false;
+    }
+    for (std::size_t at = 0; at < text.size(); at += 2) {
+        const auto byte = parse_hex_byte(text.substr(at, 2));
+        if (!byte) {
+            return false;
+        }
+        add(*byte, damaged);
+    }
+    return true;
+}
+
 tl::expected<Burst, std::string> parse_bytes(std::string_view file, const Line& line,
                                              Tokens tokens) {
     Burst burst;
     Token token;
     while (tokens.next(token)) {
-        const bool damaged = token.text.ends_with(recording_text::kDamagedMark);
-        const auto byte =
-            parse_hex_byte(token.text.substr(0, token.text.size() - (damaged ? 1 : 0)));
-        if (!byte) {
+        if (!add_word(token.text, burst)) {
             return mistake_at(file, line.number, token.column,
                               quoted(token.text) +
                                   " is not a byte; a byte is two hex digits, with "
                                   "a space between bytes: 20 40 dc 05");
         }
-        burst.bytes.push_back(*byte);
-        burst.damaged.push_back(damaged);
     }
     return burst;
 }

@@ -198,6 +198,59 @@ tl::expected<CanFrame, Flaw> parse_frame(std::string_view word) {
     return frame;
 }
 
+/// The length on a screen: `[8]`, of FD frames two digits.
+std::optional<std::size_t> shown_length(std::string_view word) {
+    const bool bracketed = word.size() >= 3 && word.front() == '[' && word.back() == ']';
+    return bracketed ? parse_number<std::size_t>(word.substr(1, word.size() - 2), 10)
+                     : std::nullopt;
+}
+
+/// With -x, candump shows the direction and two flags before the id.
+bool is_shown_direction(std::string_view word) {
+    return word == "RX" || word == "TX";
+}
+
+/// The id and the length of a line of the screen, from `id` on.
+std::optional<std::size_t> find_shown_length(Tokens& tokens, Token& id, Token& length) {
+    Token flag;
+    if (is_shown_direction(id.text) &&
+        !(tokens.next(flag) && tokens.next(flag) && tokens.next(id))) {
+        return std::nullopt;
+    }
+    return tokens.next(length) ? shown_length(length.text) : std::nullopt;
+}
+
+/// `123   [2]  11 22`: the bytes behind the length. What candump adds behind them is passed over.
+tl::expected<CanFrame, Flaw> parse_shown(Tokens& tokens, const Token& id, const Token& length,
+                                         std::size_t bytes) {
+    constexpr std::size_t kFdLengthWord = 4;
+    CanFrame frame;
+    if (auto read = read_id(id.text, frame); !read) {
+        return FlawFound({id.column + read.error().at, std::move(read.error().text)});
+    }
+    frame.fd = length.text.size() == kFdLengthWord;
+    if (!valid_can_length(static_cast<std::uint8_t>(std::min(bytes, kMostFdBytes + 1)), frame.fd)) {
+        return FlawFound({length.column, quoted(length.text) + " is not the length of a frame"});
+    }
+    Token word;
+    while (frame.length < bytes) {
+        const bool more = tokens.next(word);
+        frame.remote = more && frame.length == 0 && word.text == "remote";
+        if (frame.remote) {
+            frame.length = static_cast<std::uint8_t>(bytes);
+            return frame;
+        }
+        const auto byte =
+            more ? parse_number<std::uint8_t>(word.text, 16) : std::optional<std::uint8_t>();
+        if (!byte || word.text.size() != 2) {
+            return FlawFound({more ? word.column : length.column,
+                              "the frame has fewer bytes than " + std::string(length.text)});
+        }
+        frame.data[frame.length++] = *byte;
+    }
+    return frame;
+}
+
 /// Newer versions of candump append whether the frame was received or sent.
 bool is_direction(std::string_view word) {
     return word == "R" || word == "T";
@@ -205,44 +258,95 @@ bool is_direction(std::string_view word) {
 
 }  // namespace
 
+bool is_candump_screen_line(std::string_view line) {
+    Tokens tokens(line);
+    Token interface;
+    Token id;
+    Token length;
+    return tokens.next(interface) && tokens.next(id) && find_shown_length(tokens, id, length);
+}
+
+/// The time of a line, of which `first` is the first word. The error is a sentence for there.
+tl::expected<Duration, std::string> CandumpReader::time_of(std::string_view line,
+                                                           std::string_view first) {
+    const auto logged = parse_time(first);
+    if (!logged && is_candump_screen_line(line)) {
+        return times_ == LogTimes::optional
+                   ? tl::expected<Duration, std::string>(latest_)
+                   : tl::unexpected("a line without a time" + std::string(kWhatALineIs));
+    }
+    if (!logged) {
+        return tl::unexpected(quoted(first) + " is not a time" + std::string(kWhatALineIs));
+    }
+    differences_.take(first.find('.') - 1, *logged);
+    const bool steps_back = log_start_ && *logged < latest_ - kMostStepBack;
+    if (differences_.certain() || (steps_back && differences_.possible())) {
+        return tl::unexpected(std::string(kDifferences));
+    }
+    if (steps_back) {
+        return tl::unexpected(
+            "the time " + std::string(first) +
+            " is more than 100 ms before that of the line above (sort -s -k1,1 puts a whole log in "
+            "order)");
+    }
+    return log_start_ ? std::max(*logged, latest_) : *logged;
+}
+
+namespace {
+
+/// The frame behind the interface; nothing for an error frame. The flaw's place is its column.
+tl::expected<std::optional<CanFrame>, Flaw> frame_of(Tokens& tokens, Token word) {
+    Token length;
+    Token id = word;
+    if (const auto bytes = word.text.find('#') == std::string_view::npos
+                               ? find_shown_length(tokens, id, length)
+                               : std::nullopt) {
+        const auto number = parse_hex(id.text);
+        if (number && (*number & kErrorFlag) != 0) {
+            return std::nullopt;
+        }
+        return parse_shown(tokens, id, length, *bytes);
+    }
+    if (is_error_frame(word.text)) {
+        return std::nullopt;
+    }
+    auto frame = parse_frame(word.text);
+    if (!frame) {
+        return FlawFound({word.column + frame.error().at, std::move(frame.error().text)});
+    }
+    Token further;
+    if (tokens.next(further) && (!is_direction(further.text) || tokens.next(further))) {
+        return FlawFound({further.column,
+                          quoted(further.text) + " after the frame" + std::string(kWhatALineIs)});
+    }
+    return *frame;
+}
+
+}  // namespace
+
 tl::expected<std::optional<RecordedCanFrame>, std::string> CandumpReader::next(
     std::string_view line) {
     ++line_;
-    const auto mistake = [&](unsigned column, std::string_view text) {
-        return mistake_at(file_, line_, column, text);
+    const auto mistake = [&](std::size_t column, std::string_view text) {
+        return mistake_at(file_, line_, static_cast<unsigned>(column), text);
     };
     Tokens tokens(line);
-    Token time;
-    if (!tokens.next(time) || time.text.starts_with('#')) {
+    Token first;
+    if (!tokens.next(first) || first.text.starts_with('#')) {
         if (!log_start_ && line.starts_with(recording_text::kCandumpZero)) {
             log_start_ = parse_time(trimmed(line.substr(recording_text::kCandumpZero.size())));
             latest_ = log_start_.value_or(latest_);
         }
         return std::nullopt;
     }
-    auto logged = parse_time(time.text);
+    const auto logged = time_of(line, first.text);
     if (!logged) {
-        return mistake(time.column,
-                       quoted(time.text) + " is not a time" + std::string(kWhatALineIs));
+        return mistake(first.column, logged.error());
     }
-    differences_.take(time.text.find('.') - 1, *logged);
-    const bool steps_back = log_start_ && *logged < latest_ - kMostStepBack;
-    if (differences_.certain() || (steps_back && differences_.possible())) {
-        return mistake(time.column, kDifferences);
-    }
-    if (steps_back) {
-        return mistake(time.column,
-                       "the time " + std::string(time.text) +
-                           " is more than 100 ms before that of the line above (sort -s -k1,1 puts "
-                           "a whole log in order)");
-    }
-    if (log_start_) {
-        logged = std::max(*logged, latest_);
-    }
-    Token interface;
+    Token interface = first;
     Token word;
-    if (!tokens.next(interface) || !tokens.next(word)) {
-        return mistake(time.column,
+    if ((first.text.front() == '(' && !tokens.next(interface)) || !tokens.next(word)) {
+        return mistake(first.column,
                        "a time without an interface and a frame" + std::string(kWhatALineIs));
     }
     if (interface.text.size() > kLongestInterface) {
@@ -250,23 +354,17 @@ tl::expected<std::optional<RecordedCanFrame>, std::string> CandumpReader::next(
             interface.column,
             quoted(interface.text) + " is not an interface; names have at most 15 characters");
     }
-    const bool error_frame = is_error_frame(word.text);
-    const auto frame = error_frame ? tl::expected<CanFrame, Flaw>() : parse_frame(word.text);
+    const auto frame = frame_of(tokens, word);
     if (!frame) {
-        return mistake(word.column + static_cast<unsigned>(frame.error().at), frame.error().text);
-    }
-    Token further;
-    if (tokens.next(further) && (!is_direction(further.text) || tokens.next(further))) {
-        return mistake(further.column,
-                       quoted(further.text) + " after the frame" + std::string(kWhatALineIs));
+        return mistake(frame.error().at, frame.error().text);
     }
     latest_ = *logged;
     log_start_ = log_start_.value_or(*logged);
-    if (error_frame) {
+    if (!*frame) {
         ++error_frames_;
         return std::nullopt;
     }
-    return RecordedCanFrame{*logged - *log_start_, std::string(interface.text), *frame};
+    return RecordedCanFrame{*logged - *log_start_, std::string(interface.text), **frame};
 }
 
 tl::expected<void, std::string> CandumpReader::finish() const {

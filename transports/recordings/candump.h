@@ -14,33 +14,44 @@
 #include "transports/recordings/text.h"
 #include "transports/recordings/time_steps.h"
 
-/// Logs of candump (`candump -L`, `candump -l`; docs/protocols/can.md, "candump logs"): one CAN
-/// frame per line.
+/// Logs of candump (`candump -L`, `candump -l`; docs/protocols/can.md, "candump logs"), and what it
+/// shows on a screen: one CAN frame per line.
 namespace tribus {
+
+/// Whether each line must have a time, which candump shows on a screen only if it is asked to.
+enum class LogTimes : std::uint8_t { needed, optional };
+
+/// Whether it is a line of candump's screen: `can0  123   [2]  11 22`.
+bool is_candump_screen_line(std::string_view line);
 
 /// Reads the lines of one log in order, as they arrive. Thread-bound.
 class CandumpReader {
   public:
-    explicit CandumpReader(std::string_view file_name) : file_(file_name) {}
+    explicit CandumpReader(std::string_view file_name, LogTimes times = LogTimes::needed)
+        : file_(file_name), times_(times) {}
 
     /// Takes the next line, without its line end. The kernel stamps a frame when it is sent or
     /// taken from the controller, and delivers it later, so frames of two senders may change
     /// places, by a few milliseconds on a busy machine. A step back of at most 100 ms is therefore
-    /// corrected: the frame gets the time of the one before. Returns nothing for a blank line, a
+    /// corrected: the frame gets the time of the one before, as does a frame without a time.
+    /// Returns nothing for a blank line, a
     /// comment and an error frame. The error is `file:line:column: text`; that line is skipped, and
     /// reading may continue.
     tl::expected<std::optional<RecordedCanFrame>, std::string> next(std::string_view line);
 
-    /// The facts so far. The comment above the first line that sets the log's zero is
-    /// `# zero (1436509052.249713)`, as the flight recorder writes it.
     /// What is wrong with the log as a whole, once all lines are taken.
     tl::expected<void, std::string> finish() const;
+    /// The facts so far. The comment above the first line that sets the log's zero is
+    /// `# zero (1436509052.249713)`, as the flight recorder writes it.
     LogFacts facts() const {
         return {.start = log_start_.value_or(Duration::zero()), .error_frames = error_frames_};
     }
 
   private:
+    tl::expected<Duration, std::string> time_of(std::string_view line, std::string_view first);
+
     std::string file_;
+    LogTimes times_;
     unsigned line_ = 0;
     std::optional<Duration> log_start_;
     Duration latest_{};
@@ -55,8 +66,8 @@ tl::expected<Recording, std::string> parse_candump(std::string_view content,
 class CandumpFrames {
   public:
     /// `content` must outlive it, and stand at its start.
-    CandumpFrames(Pieces& content, std::string_view file_name)
-        : lines_(content), file_(file_name), reader_(file_name) {}
+    CandumpFrames(Pieces& content, std::string_view file_name, LogTimes times = LogTimes::needed)
+        : lines_(content), file_(file_name), reader_(file_name, times) {}
 
     /// The next frame, nothing at the end. Errors as above.
     tl::expected<std::optional<RecordedCanFrame>, std::string> next();

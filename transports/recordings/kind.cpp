@@ -1,6 +1,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "transports/recordings/candump.h"
 #include "transports/recordings/recording.h"
 #include "transports/recordings/text.h"
 
@@ -75,7 +76,7 @@ RecordingKind kind_of_text(Pieces& content) {
     Line line;
     while (lines.next(line)) {
         const std::string_view text = trimmed(line.text);
-        if (text.starts_with(kCandumpStart)) {
+        if (text.starts_with(kCandumpStart) || is_candump_screen_line(text)) {
             return RecordingKind::candump;
         }
         if (!text.empty() && text.starts_with(kSaleaeStart)) {

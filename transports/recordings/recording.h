@@ -35,11 +35,12 @@ struct RecordedCanFrame {
 /// File formats of recordings.
 enum class RecordingKind : std::uint8_t {
     raw,      ///< the bytes themselves, as one burst
-    hex,      ///< `20 40 dc! 05`, one burst per line; '#' starts a comment, '!' marks a damaged
-              ///< byte
+    hex,      ///< `20 40 dc! 05`, one burst per line, or `2040dc05`, or `0x20 0x40`; '#' starts a
+              ///< comment, '!' marks a damaged byte
     timed,    ///< `1146 20 40 dc 05`: start in microseconds, then as hex
     saleae,   ///< CSV of an analyser's serial decoder; bytes close together are one burst
-    candump,  ///< `(1436509052.249713) can0 123#1122`: CAN frames, as in a log of `candump -L`
+    candump,  ///< `(1436509052.249713) can0 123#1122`: CAN frames, as in a log of `candump -L`, or
+              ///< as on its screen
 };
 
 /// The kinds' names, in the order of RecordingKind.
@@ -75,7 +76,7 @@ bool looks_raw(std::string_view beginning);
 /// - raw, if `looks_raw`, where NUL bytes behind the lines of a text do not count; a file with
 /// fewer such bytes is refused, because it may be damaged text;
 /// - saleae, if the first line starts with `Time [s]`;
-/// - candump, if the first line starts with `(`;
+/// - candump, if the first line starts with `(`, or is one of candump's screen;
 /// - timed, if a comment above the data starts with `t_us`, or if every line starts with a decimal
 ///   number, each greater than the one before and not all of two digits;
 /// - hex otherwise, and for an empty file.

@@ -71,7 +71,7 @@ LogFacts RecordingInPieces::read(RecordingTaker& taker) {
 }
 
 LogFacts RecordingInPieces::read_log(RecordingTaker& taker) {
-    CandumpFrames frames(content_, file_);
+    CandumpFrames frames(content_, file_, LogTimes::optional);
     GapWatch gaps;
     auto frame = frames.next();
     for (; frame && *frame; frame = frames.next()) {

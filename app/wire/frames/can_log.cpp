@@ -65,7 +65,10 @@ class LogReader {
   public:
     LogReader(const CanLogSource& source, const std::function<void(const RecordedCanFrame&)>& take,
               std::ostream& messages)
-        : source_(source), reader_(source.name), take_(take), messages_(messages) {}
+        : source_(source),
+          reader_(source.name, LogTimes::optional),
+          take_(take),
+          messages_(messages) {}
 
     /// Returns false when reading must stop.
     bool take(std::string_view line) {

@@ -76,6 +76,8 @@ class SerialWriter final : public FrameWriter {
         }
     }
 
+    bool marks_frame_lost() const override { return encoder_.encoder().marks_frame_lost(); }
+
   private:
     void heading(std::string& text, Duration first_start) {
         if (std::exchange(heading_written_, true)) {
@@ -145,6 +147,7 @@ class CanLogWriter final : public FrameWriter {
     }
 
     void finish(std::ostream& /*messages*/) override {}
+    bool marks_frame_lost() const override { return encoder_.encoder().marks_frame_lost(); }
 
   private:
     FrameEncoder encoder_;

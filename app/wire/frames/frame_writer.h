@@ -33,6 +33,8 @@ class FrameWriter {
     virtual tl::expected<void, std::string> write(const WrittenFrame& written) = 0;
     /// Call it after the last frame. Reports frames that could not be written as requested.
     virtual void finish(std::ostream& messages) = 0;
+    /// Whether the protocol can mark a frame as frame lost.
+    virtual bool marks_frame_lost() const = 0;
 };
 
 /// `use` and `results` must outlive the writer. The protocol must have the `format`.

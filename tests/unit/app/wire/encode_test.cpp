@@ -50,6 +50,22 @@ TEST(Encode, FlagsAndSwitchesReachTheWire) {
               "0f e0 03 1f f8 c0 07 3e f0 81 0f 7c e0 03 1f f8 c0 07 3e f0 81 0f 7c 0d 00\n");
 }
 
+TEST(Encode, SaysWhichMarksTheProtocolCannotCarry) {
+    const std::string lines =
+        "{\"channels\":[],\"frame_lost\":true}\n{\"channels\":[],\"frame_lost\":true}\n"
+        "{\"channels\":[],\"failsafe\":true,\"frame_lost\":true}\n{\"channels\":[]}\n";
+    const Outcome ibus = encoded(lines, "ibus", EncodeFormat::hex);
+    EXPECT_EQ(ibus.status, kExitFine);
+    EXPECT_EQ(ibus.messages,
+              "tribus: 1 frame marked failsafe written without the mark, which ibus cannot carry\n"
+              "tribus: 2 frames marked frame-lost written without the mark, which ibus cannot "
+              "carry\n");
+    EXPECT_EQ(encoded(lines, "sumd", EncodeFormat::hex).messages,
+              "tribus: 2 frames marked frame-lost written without the mark, which sumd cannot "
+              "carry\n");
+    EXPECT_EQ(encoded(lines, "sbus", EncodeFormat::hex).messages, "");
+}
+
 TEST(Encode, BinaryIsTheBytesAlone) {
     const Outcome outcome = encoded(std::string(kCentred), "sbus", EncodeFormat::binary);
     EXPECT_EQ(outcome.results.size(), 25U);

@@ -177,12 +177,57 @@ TEST(CandumpRecording, TimesMayNotGoFarBack) {
               "(sort -s -k1,1 puts a whole log in order)");
 }
 
-// `candump -ta can0`, without -L.
-TEST(CandumpRecording, ScreenFormIsRefusedWithTheFormThatIsRead) {
-    EXPECT_EQ(
-        mistake_in(" (1436509052.249713)  can0  123   [2]  11 22\n"),
-        "can.log:1:29: \"123\" is not a frame; a line is (1436509052.249713) can0 123#1122, as "
-        "candump -L and candump -l write it");
+// `candump -ta can0`, without -L; with -x the direction, with -a letters.
+TEST(CandumpRecording, ScreenFormIsReadWithItsTimes) {
+    const Recording recording = parsed(
+        " (1436509052.249713)  can0  123   [2]  11 22\n"
+        " (1436509052.249813)  can0  RX - -  12345678   [0]\n"
+        " (1436509052.249913)  can0  123   [8]  11 22 33 44 55 66 77 88   '.\"3DUfw.'\n"
+        " (1436509052.250013)  can0  123  [12]  00 01 02 03 04 05 06 07 08 09 0A 0B\n"
+        " (1436509052.250113)  can0  123   [4]  remote request\n"
+        " (1436509052.250213)  can0  20000004   [8]  00 08 00 00 00 00 00 00   ERRORFRAME\n");
+    ASSERT_EQ(recording.can_frames.size(), 5U);
+    EXPECT_EQ(recording.can_frames[0].frame, frame_of("123#1122"));
+    EXPECT_EQ(recording.can_frames[0].interface, "can0");
+    EXPECT_EQ(recording.can_frames[1].frame, frame_of("12345678#"));
+    EXPECT_EQ(recording.can_frames[1].at, 100us);
+    EXPECT_EQ(recording.can_frames[2].frame, frame_of("123#1122334455667788"));
+    EXPECT_EQ(recording.can_frames[3].frame, frame_of("123##0000102030405060708090A0B"));
+    EXPECT_EQ(recording.can_frames[4].frame, frame_of("123#R4"));
+    EXPECT_EQ(recording.log.error_frames, 1U);
+}
+
+constexpr std::string_view kScreen = "  can0  123   [2]  11 22\n  can0  00A   [1]  33\n";
+
+// `candump can0`.
+TEST(CandumpRecording, ScreenFormWithoutTimesIsReadWhereNoTimesAreNeeded) {
+    EXPECT_EQ(detect_recording_kind(kScreen, "can.log"), RecordingKind::candump);
+    OnePiece content(kScreen);
+    CandumpFrames frames(content, "can.log", LogTimes::optional);
+    const auto first = frames.next();
+    ASSERT_TRUE(first && *first);
+    EXPECT_EQ((*first)->frame, frame_of("123#1122"));
+    const auto second = frames.next();
+    ASSERT_TRUE(second && *second);
+    EXPECT_EQ((*second)->frame, frame_of("00A#33"));
+    EXPECT_EQ((*second)->at, 0us);
+}
+
+TEST(CandumpRecording, ScreenFormWithoutTimesIsRefusedWhereTimesAreNeeded) {
+    EXPECT_EQ(mistake_in(kScreen),
+              "can.log:1:3: a line without a time; a line is (1436509052.249713) can0 123#1122, as "
+              "candump -L and candump -l write it");
+}
+
+TEST(CandumpRecording, WrongScreenFormIsRefusedWithItsColumn) {
+    const auto mistake = [](const std::string& rest) {
+        return mistake_in("(1.000000)  can0  " + rest + "\n");
+    };
+    EXPECT_EQ(mistake("123   [3]  11 22"), "can.log:1:25: the frame has fewer bytes than [3]");
+    EXPECT_EQ(mistake("123   [2]  11 2"), "can.log:1:33: the frame has fewer bytes than [2]");
+    EXPECT_EQ(mistake("123   [9]  11"), "can.log:1:25: \"[9]\" is not the length of a frame");
+    EXPECT_EQ(mistake("123  [999]  11"), "can.log:1:24: \"[999]\" is not the length of a frame");
+    EXPECT_TRUE(mistake("12   [1]  11").starts_with("can.log:1:19: \"12\" is not an id; an "));
 }
 
 TEST(CandumpRecording, TimeThatIsADateIsRefused) {
@@ -234,15 +279,18 @@ INSTANTIATE_TEST_SUITE_P(
 
 // A log that is cut off or scrambled anywhere gives a mistake or frames, but no crash.
 TEST(CandumpRecording, AnyDamageIsSurvived) {
-    const std::string line = "(1436509052.249713) can0 12345678##31122334455667788.99AABBCC R\n";
-    for (std::size_t at = 0; at < line.size(); ++at) {
-        for (const char character : {'\0', ' ', '#', '(', '_', 'R', 'F', '9', '.', '\n', '\x80'}) {
-            std::string damaged = line;
-            damaged[at] = character;
-            (void)parse_recording(damaged, "can.log", RecordingKind::candump);
-            (void)parse_recording(damaged.substr(0, at + 1), "can.log", RecordingKind::candump);
+    const std::string log = "(1436509052.249713) can0 12345678##31122334455667788.99AABBCC R\n";
+    const std::string screen = " (1436509052.249713)  can0  RX - -  123   [2]  11 22\n";
+    for (const std::string& line : {log, screen})
+        for (std::size_t at = 0; at < line.size(); ++at) {
+            for (const char character :
+                 {'\0', ' ', '#', '(', '_', 'R', 'F', '9', '.', '\n', '\x80'}) {
+                std::string damaged = line;
+                damaged[at] = character;
+                (void)parse_recording(damaged, "can.log", RecordingKind::candump);
+                (void)parse_recording(damaged.substr(0, at + 1), "can.log", RecordingKind::candump);
+            }
         }
-    }
 }
 
 TEST(CandumpReader, GoesOnBehindAMistake) {

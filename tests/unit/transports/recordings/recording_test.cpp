@@ -124,15 +124,33 @@ TEST(Recording, OneLongTokenAmongHexLinesIsAMistakeNotATime) {
 }
 
 TEST(Recording, SaysWhereAByteIsWrong) {
-    EXPECT_EQ(mistake_in("0f e0\n0f e0 # fine\n0f 0x1 00\n"),
-              "bytes.txt:3:4: \"0x1\" is not a byte; a byte is two hex digits, with a space "
+    EXPECT_EQ(mistake_in("0f e0\n0f e0 # fine\n0f 0x100 00\n"),
+              "bytes.txt:3:4: \"0x100\" is not a byte; a byte is two hex digits, with a space "
               "between bytes: 20 40 dc 05");
 }
 
-TEST(Recording, RefusesBytesWithoutSpacesBetween) {
-    EXPECT_EQ(mistake_in("2040dc05\n"),
-              "bytes.txt:1:1: \"2040dc05\" is not a byte; a byte is two hex digits, with a space "
-              "between bytes: 20 40 dc 05");
+/// As people paste dumps of programs and of analysers.
+TEST(Recording, ReadsHexWithoutSpacesAndWithAPrefix) {
+    const std::vector<std::uint8_t> bytes{0x20, 0x40, 0xDC, 0x05};
+    for (const char* const text : {"2040dc05", "2040DC05\n", "20 40dc 05", "0x20 0x40 0xDC 0x5",
+                                   "0x20, 0x40, 0xdc, 0x05,", "0X20 40 0xdc 05"}) {
+        const Recording recording = parsed(text);
+        EXPECT_EQ(recording.kind, RecordingKind::hex) << text;
+        ASSERT_EQ(recording.bursts.size(), 1U) << text;
+        EXPECT_EQ(recording.bursts[0].bytes, bytes) << text;
+    }
+    EXPECT_EQ(parsed("# t_us\n1146 2040dc05\n").bursts.at(0).bytes, bytes);
+    EXPECT_EQ(parsed("0x20 0xDC!\n").bursts.at(0).damaged, (std::vector<bool>{false, true}));
+}
+
+TEST(Recording, RefusesHalfBytesAndMarksOfSeveral) {
+    for (const char* const word :
+         {"204", "2040dc0", "2040!", "0x", "0x2040", "2g", "0x2g", "x20"}) {
+        EXPECT_EQ(mistake_in(std::string("20 40 ") + word + "\n"),
+                  "bytes.txt:1:7: \"" + std::string(word) +
+                      "\" is not a byte; a byte is two hex digits, with a space between bytes: "
+                      "20 40 dc 05");
+    }
 }
 
 TEST(Recording, RefusesTimesThatGoBack) {
