@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "app/client/ask_daemon.h"
 #include "tests/loopback/loopback.h"
 #include "tests/reference/plain_crsf.h"
 
@@ -73,12 +74,11 @@ to = "module"
             return condition();
         });
     }
-    /// What the status says of the output, while all goes on.
-    nlohmann::json told(const Bytes& word) {
-        Program& status =
-            start({"status", "--socket", (folder() / "control").string(), "--format", "json"});
-        EXPECT_TRUE(flies_until(word, [&] { return !status.runs(); }));
-        return nlohmann::json::parse(status.output()).at("outputs").at(0);
+    /// What the status says of the output.
+    nlohmann::json told() const {
+        const auto status =
+            ask_daemon((folder() / "control").string(), "status", std::chrono::seconds(5));
+        return status ? status->at("outputs").at(0) : nlohmann::json::object();
     }
     std::vector<PlainCrsfFrame> of_type(std::uint8_t type) const {
         std::vector<PlainCrsfFrame> frames;
@@ -101,12 +101,12 @@ TEST_F(HandsetOfAModule, FollowsATimingOf2And20Milliseconds) {
     Program& program = run_handset();
     for (const microseconds period : {microseconds(2000), microseconds(20000)}) {
         const Bytes word = timing(period);
-        EXPECT_TRUE(flies_until(word, [&] { return told(word)["period_us"] == period.count(); }))
+        EXPECT_TRUE(flies_until(word, [&] { return told()["period_us"] == period.count(); }))
             << program.errors();
         heard_.clear();
         EXPECT_TRUE(flies_until(word, [&] { return of_type(0x16).size() >= 100; }));
-        EXPECT_EQ(told(word)["period_us"], period.count());
-        EXPECT_EQ(told(word)["module"], "heard");
+        EXPECT_EQ(told()["period_us"], period.count());
+        EXPECT_EQ(told()["module"], "heard");
     }
     EXPECT_TRUE(program.says("output module: under control of radio; hears its module"));
     expect_clean_end(program);
@@ -125,13 +125,13 @@ TEST_F(HandsetOfAModule, TellsTheModelOnce) {
 
 TEST_F(HandsetOfAModule, SaysThatItIsSilentAndThenUnreadable) {
     Program& program = run_handset();
-    EXPECT_TRUE(flies_until({}, [&] { return told({})["module"] == "silent"; }));
+    EXPECT_TRUE(flies_until({}, [&] { return told()["module"] == "silent"; }));
     EXPECT_TRUE(program.says("output module: under control of radio; hears nothing of its module"));
     const Bytes rubbish{0x55, 0xAA, 0xC8, 0x0D, 0x3A};
-    EXPECT_TRUE(flies_until(rubbish, [&] { return told(rubbish)["module"] == "unreadable"; }));
+    EXPECT_TRUE(flies_until(rubbish, [&] { return told()["module"] == "unreadable"; }));
     EXPECT_TRUE(program.says("what comes back is no frame of a module"));
     const Bytes word = timing(milliseconds(4));
-    EXPECT_TRUE(flies_until(word, [&] { return told(word)["module"] == "heard"; }));
+    EXPECT_TRUE(flies_until(word, [&] { return told()["module"] == "heard"; }));
     expect_clean_end(program);
 }
 
