@@ -37,6 +37,10 @@ std::vector<Capture> captures() {
     return all;
 }
 
+std::filesystem::path recordings_folder() {
+    return kFolder;
+}
+
 void PrintTo(Capture capture, std::ostream* text) {
     *text << capture_name(capture);
 }

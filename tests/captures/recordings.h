@@ -19,6 +19,9 @@ enum class Capture { twin, recording };
 /// Returns `twin`, and `recording` where the folder of the recordings is.
 std::vector<Capture> captures();
 
+/// Returns the folder of the recordings, which may be missing.
+std::filesystem::path recordings_folder();
+
 void PrintTo(Capture capture, std::ostream* text);
 
 /// For INSTANTIATE_TEST_SUITE_P: the capture's name.
