@@ -143,10 +143,12 @@ tl::expected<void, std::string> Arrivals::Recorded::ended_with(std::optional<std
                   : tl::expected<void, std::string>{};
 }
 
-/// Finds what is wrong with the recording before any of it is played.
+/// Finds what is wrong with the recording before any of it is played. Bytes are played up to the
+/// first mistake.
 tl::expected<void, std::string> Arrivals::Recorded::judge() {
     RecordingInPieces recording(*pieces_, path_, kind_);
-    if (const auto judged = recording.judge(); !judged) {
+    const auto judged = recording.judge();
+    if (!judged && kind_ == RecordingKind::candump) {
         return ended_with(judged.error());
     }
     if (recording.gap()) {
