@@ -35,9 +35,9 @@ class KeyChange : public testing::TestWithParam<std::tuple<Medium, bool>> {
 
 INSTANTIATE_TEST_SUITE_P(All, KeyChange,
                          testing::Combine(testing::ValuesIn(kMedia), testing::Bool()),
-                         [](const auto& info) {
-                             return std::string(std::get<0>(info.param).name) +
-                                    (std::get<1>(info.param) ? "Epoch" : "Answers");
+                         [](const auto& tried) {
+                             return std::string(std::get<0>(tried.param).name) +
+                                    (std::get<1>(tried.param) ? "Epoch" : "Answers");
                          });
 
 TEST_P(KeyChange, DoesNotInterruptControl) {

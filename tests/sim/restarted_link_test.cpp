@@ -82,7 +82,7 @@ std::vector<Case> all_cases() {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, RestartedLink, testing::ValuesIn(all_cases()),
-                         [](const auto& row) { return testing::PrintToString(row.param); });
+                         [](const auto& tried) { return testing::PrintToString(tried.param); });
 
 TEST_P(RestartedLink, IsBackWithinTwoSeconds) {
     for (const int away : {100, 300, 400, 1000, 4000, 20'000, 60'000}) {
