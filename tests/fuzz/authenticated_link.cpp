@@ -79,7 +79,7 @@ class World {
             sender_ = std::make_unique<ClassicEncoder>(classic_link());
         }
         sender_->use_seed({++starts_});
-        sent_numbers_.start();
+        sent_numbers_.start(now_);
         sender_->use_numbers(sent_numbers_);
     }
     void restart_receiver() {
@@ -89,12 +89,12 @@ class World {
             receiver_ = std::make_unique<ClassicDecoder>(classic_link());
         }
         receiver_->use_seed({++starts_});
-        received_numbers_.start();
+        received_numbers_.start(now_);
         receiver_->use_numbers(received_numbers_);
         receiver_started_ = now_;
     }
     LinkWithKey keys() const {
-        return {.name = "can 768 ",
+        return {.name = "can 768",
                 .epoch = epoch_ ? std::optional<std::string>("/no/file") : std::nullopt};
     }
     FdLink fd_link() const {
