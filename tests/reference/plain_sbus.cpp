@@ -153,8 +153,8 @@ bool PlainSbusDecoder::is_wide() const {
 bool PlainSbusDecoder::wide_burst() const {
     const std::size_t size = buffer_.size();
     const std::uint64_t burst = buffer_.first_position() + size - burst_begin_;
-    return burst != 0 && burst % 36 == 0 && size >= 2 && flags_allowed(buffer_[size - 2]) &&
-           buffer_[size - 1] == 0;
+    return burst != 0 && burst <= 4 * 36 && burst % 36 == 0 && size >= 2 &&
+           flags_allowed(buffer_[size - 2]) && buffer_[size - 1] == 0;
 }
 
 bool PlainSbusDecoder::step_unlocked() {

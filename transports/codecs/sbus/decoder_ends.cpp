@@ -26,12 +26,15 @@ SbusDecoder::Step SbusDecoder::step_expecting() {
     return Step::frame;
 }
 
-/// Whether the bytes before this pause are whole frames of 24 channels.
+/// Whether the bytes before this pause are whole frames of 24 channels: one, or some that came at
+/// once. As many bytes are never frames of 25.
 bool SbusDecoder::wide_burst_ends() const {
+    constexpr std::size_t kMostAtOnce = 4;
     const std::size_t size = buffer_.size();
     const std::uint64_t burst = buffer_.first_position() + size - burst_begin_;
-    return burst != 0 && burst % kSbus24FrameLength == 0 && size >= 2 &&
-           flags_allowed(buffer_[size - 2]) && buffer_[size - 1] == 0;
+    return burst != 0 && burst <= kMostAtOnce * kSbus24FrameLength &&
+           burst % kSbus24FrameLength == 0 && size >= 2 && flags_allowed(buffer_[size - 2]) &&
+           buffer_[size - 1] == 0;
 }
 
 /// A pause proves a frame as well as a second frame does, if no bytes before the frame may belong

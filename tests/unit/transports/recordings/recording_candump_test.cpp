@@ -281,7 +281,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(CandumpRecording, AnyDamageIsSurvived) {
     const std::string log = "(1436509052.249713) can0 12345678##31122334455667788.99AABBCC R\n";
     const std::string screen = " (1436509052.249713)  can0  RX - -  123   [2]  11 22\n";
-    for (const std::string& line : {log, screen})
+    for (const std::string& line : {log, screen}) {
         for (std::size_t at = 0; at < line.size(); ++at) {
             for (const char character :
                  {'\0', ' ', '#', '(', '_', 'R', 'F', '9', '.', '\n', '\x80'}) {
@@ -291,6 +291,7 @@ TEST(CandumpRecording, AnyDamageIsSurvived) {
                 (void)parse_recording(damaged.substr(0, at + 1), "can.log", RecordingKind::candump);
             }
         }
+    }
 }
 
 TEST(CandumpReader, GoesOnBehindAMistake) {

@@ -111,6 +111,17 @@ TEST(Sbus24, IsNeverReadAsAFrameOf16WhenSeveralComeAtOnce) {
     EXPECT_TRUE(between_pauses({several, several, several}).empty());
 }
 
+TEST(Sbus24, NoEndOfAStreamOf16IsTakenForIt) {
+    Bytes stream;
+    for (int frame = 1; frame <= 80; ++frame) {
+        append(stream, from_hex(kHundreds));
+        SbusDecoder decoder;
+        const std::size_t found = feed(decoder, stream).size();
+        EXPECT_EQ(found + (decoder.finish() ? 1 : 0), static_cast<std::size_t>(frame));
+        EXPECT_EQ(between_pauses({stream}).size(), static_cast<std::size_t>(frame));
+    }
+}
+
 TEST(Sbus24, FramesOf16CountAgainWhenTheReceiverIsSetToThem) {
     std::vector<Bytes> bursts(5, frame_of({}));
     for (int frame = 0; frame < 10; ++frame) {
