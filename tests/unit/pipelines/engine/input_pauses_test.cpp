@@ -65,18 +65,18 @@ TEST(InputPauses, TheFrameThatAPauseProvesIsAsOldAsItsBytes) {
 
 TEST(InputPauses, FlagsAndFooterThatComeLaterAreOfAnotherFrame) {
     Input input(sbus_line(), 0);
-    input.receive(Bytes{0xFF}, at(0ms));
     const Bytes whole = sbus_wire(us(1100));
+    input.receive(whole, at(0ms));
     ASSERT_TRUE(input.receive(whole, at(10ms)));
     EXPECT_FALSE(input.receive(std::span(whole).first(23), at(24ms)));
     EXPECT_FALSE(input.receive(Bytes{0x0F, 0xE0}, at(38ms)));
-    EXPECT_EQ(input.counts().frames, 1U);
+    EXPECT_EQ(input.counts().frames, 2U);
 }
 
 TEST(InputPauses, TimeInWhichNobodyReadIsNoPause) {
     Input input(sbus_line(), 0);
-    input.receive(Bytes{0xFF}, at(0ms));
     const Bytes whole = sbus_wire(us(1100));
+    input.receive(whole, at(0ms));
     ASSERT_TRUE(input.receive(whole, at(10ms)));
     EXPECT_FALSE(input.receive(std::span(whole).first(10), at(24ms)));
     input.was_away(at(24ms), at(60ms));
@@ -110,7 +110,7 @@ TEST(InputPauses, HalfAFrameDoesNotOutliveItsDevice) {
 TEST(InputPauses, AReloadIsNoPause) {
     Input before(sbus_line(), 0);
     const Bytes whole = sbus_wire(us(1100));
-    before.receive(Bytes{0xFF}, at(0ms));
+    before.receive(whole, at(0ms));
     before.receive(std::span(whole).first(10), at(24ms));
     Input after(sbus_line(), 0);
     after.continue_from(before, {.from = 0, .same_channels = true}, at(25ms));
