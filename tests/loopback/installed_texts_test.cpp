@@ -194,7 +194,7 @@ TEST(BashCompletion, offers_the_protocols) {
 
 TEST(BashCompletion, offers_the_choices_of_a_setting) {
     EXPECT_EQ(offered("decode --slots \"\""), (Words{"nibbles", "plain"}));
-    EXPECT_EQ(offered("encode --reversible t"), Words{"true"});
+    EXPECT_EQ(offered("encode --carries m"), Words{"motors"});
 }
 
 TEST(BashCompletion, offers_files) {

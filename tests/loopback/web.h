@@ -50,6 +50,8 @@ class Web : public FirstChannel {
     Program& run_daemon() {
         Program& program = run(write_config(main_job(kPatientInput), name() + ".toml"));
         expect_first_channel(1100);
+        // The status follows a little later.
+        EXPECT_TRUE(program.says("under control of receiver"));
         return program;
     }
     Program& serve(const std::vector<std::string>& more = {}) {

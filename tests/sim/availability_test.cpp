@@ -148,7 +148,8 @@ class Flight final : public StationObserver {
         }
         loop_->run_until(kEnd);
         Availability availability{.to_control = first_control(false),
-                                  .to_control_by_rule = first_control(true)};
+                                  .to_control_by_rule = first_control(true),
+                                  .always_fresh = {}};
         for (std::size_t i = 0; i < availability.to_control.size(); ++i) {
             availability.always_fresh.push_back(
                 always_fresh(event(i), availability.to_control_by_rule[i]));

@@ -274,6 +274,10 @@ void RandomWorld::add_output(std::size_t index) {
         line(locked ? "phase = \"locked\"" : "phase = \"free\"");
     }
     marks_.push_back(protocol != "ibus");
+    if (!marks_.back()) {
+        // `hold` may be long, and nothing marks it there.
+        line("force = true");
+    }
     periods_.push_back(period);
     const Duration by_readers = protocol == "sbus" ? 6ms : protocol == "ibus" ? 4ms : 2ms;
     least_spacings_.push_back(follows  ? std::min(by_readers, period)

@@ -21,9 +21,6 @@ namespace tribus {
 /// Whether each line must have a time, which candump shows on a screen only if it is asked to.
 enum class LogTimes : std::uint8_t { needed, optional };
 
-/// Whether it is a line of candump's screen: `can0  123   [2]  11 22`.
-bool is_candump_screen_line(std::string_view line);
-
 /// Reads the lines of one log in order, as they arrive. Thread-bound.
 class CandumpReader {
   public:

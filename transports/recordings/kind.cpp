@@ -1,7 +1,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "transports/recordings/candump.h"
+#include "transports/recordings/candump_words.h"
 #include "transports/recordings/recording.h"
 #include "transports/recordings/text.h"
 

@@ -31,6 +31,10 @@ inline bool SbusDecoder::footer_expected(std::uint8_t footer) const {
     return !slots_follow(footer) || (footer_allowed(footer) && slots_follow(latest()[kFooterAt]));
 }
 
+bool SbusDecoder::frame_in_front() const {
+    return well_formed(0) && footer_expected(buffer_[kFooterAt]);
+}
+
 std::size_t SbusDecoder::after_slots(std::size_t start) const {
     std::size_t position = start;
     while (position < buffer_.size() && position < start + kSlotsLength &&

@@ -48,8 +48,8 @@ bool SbusDecoder::silence(DecodedFrame& frame) {
     // A frame that waits for its proof; its slots may come after the pause.
     const bool in_place = in_step() && size == kSbusFrameLength && last_frame_at(0);
     // What stands between it and the pause is no matter, but if it is the rest of 24 channels.
-    const bool first = state_ == State::expecting && !wide && size > kSbusFrameLength &&
-                       well_formed(0) && footer_expected(buffer_[kFooterAt]);
+    const bool first =
+        state_ == State::expecting && !wide && size > kSbusFrameLength && frame_in_front();
     const bool last = !in_step() && !wide && alone && size >= kSbusFrameLength &&
                       last_frame_at(size - kSbusFrameLength);
     const bool whole = in_place || first || last;

@@ -116,6 +116,7 @@ class SbusDecoder final : public ByteDecoder {
     bool wide_burst_ends() const;
     bool in_step() const { return state_ == State::locked || state_ == State::expecting; }
     bool footer_expected(std::uint8_t footer) const;
+    bool frame_in_front() const;
     bool last_frame_at(std::size_t start) const;
     std::size_t after_slots(std::size_t start) const;
     Judgement judge(std::size_t start) const;
