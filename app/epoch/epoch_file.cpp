@@ -190,7 +190,8 @@ tl::expected<EpochFile::Content, std::string> EpochFile::read(SettingScope way) 
 }
 
 /// Where the clock went on since the file was written, all numbers before now may have been used,
-/// and none after. Else those that the file names, and a step shows the new clock.
+/// and none after: outputs send far less often than once a step, so their numbers do not get ahead
+/// of the clock. Else those that the file names, and a step shows the new clock.
 void EpochFile::begin_after(const Content& stored, SettingScope way) {
     if (way != SettingScope::output) {
         begin(stored.next);

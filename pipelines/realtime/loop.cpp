@@ -40,8 +40,10 @@ Loop::Loop(Engine& engine, std::vector<PortWiring> wiring, std::vector<std::uniq
       stations_(engine, settings.values),
       ports_(wiring.size()),
       newest_at_ns_(engine.inputs().size()),
-      input_status_(engine.inputs().size()),
-      output_status_(engine.outputs().size()),
+      input_figures_(engine.inputs().size()),
+      frame_faults_(engine.inputs().size()),
+      output_figures_(engine.outputs().size()),
+      output_waits_(engine.outputs().size()),
       bus_states_(settings.values == nullptr ? 0 : settings.values->bus_count()),
       value_status_(settings.values == nullptr ? 0 : settings.values->board().size()),
       node_reports_(engine.node_count()) {

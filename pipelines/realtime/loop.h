@@ -76,8 +76,8 @@ struct LoopSettings {
 /// Upper limit of the number of reject causes of a decoder.
 inline constexpr std::size_t kMostRejectCauses = 12;
 
-/// State of an input, published for the main thread.
-struct InputStatus {
+/// Figures of an input, published for the main thread.
+struct InputFigures {
     /// When the data thread published it.
     Instant at{};
     ChannelFrame latest;
@@ -91,21 +91,28 @@ struct InputStatus {
     Duration interval{};
     /// `unproved` instead of `good` while no output can use its frames.
     LinkState state;
-    ImplausibleFrames implausible;
-    FaultText fault;
+    std::uint64_t implausible_frames = 0;
     bool ever_good = false;
     bool two_senders = false;  ///< the decoder sees two senders with its ids
 };
 
-/// State of an output, published for the main thread.
-struct OutputStatus {
+/// What an input says of frames that do not count. Published while there are some.
+struct FrameFaults {
+    ImplausibleFrames implausible;
+    FaultText fault;
+};
+
+/// State of an input.
+struct InputStatus : InputFigures, FrameFaults {};
+
+/// Figures of an output, published for the main thread.
+struct OutputFigures {
     /// When the data thread published it.
     Instant at{};
     ChannelFrame latest;
     OutputCounts counts;
     std::uint64_t overruns = 0;
     OutputState state;
-    OutputWait wait;
     /// When the next frame is due, and the period.
     Instant due{};
     Duration period{};
@@ -113,6 +120,12 @@ struct OutputStatus {
     bool sends = false;
     /// What was heard of the receiver of its frames.
     Answers answers{};
+};
+
+/// State of an output.
+struct OutputStatus : OutputFigures {
+    /// Published while it is not in control.
+    OutputWait wait;
 };
 
 /// How often the data thread did not run for 100 ms or longer, the default timeout of an input: it
@@ -177,7 +190,7 @@ class Loop {
 
     /// Thread-safe, as all below. Each value is as old as the latest publication.
     InputStatus input_status(std::size_t input) const;
-    OutputStatus output_status(std::size_t output) const { return output_status_[output].read(); }
+    OutputStatus output_status(std::size_t output) const;
     const InputTiming& input_timing(std::size_t input) const { return *input_timing_[input]; }
     const OutputTiming& output_timing(std::size_t output) const { return *output_timing_[output]; }
     SensorBusState bus_state(std::size_t bus) const { return bus_states_[bus].read(); }
@@ -315,8 +328,10 @@ class Loop {
     std::vector<std::atomic<std::int64_t>> newest_at_ns_;
     /// The levels that the engine has.
     LineLevels levels_ = kNoLineActive;
-    std::vector<Snapshot<InputStatus>> input_status_;
-    std::vector<Snapshot<OutputStatus>> output_status_;
+    std::vector<Snapshot<InputFigures>> input_figures_;
+    std::vector<Snapshot<FrameFaults>> frame_faults_;
+    std::vector<Snapshot<OutputFigures>> output_figures_;
+    std::vector<Snapshot<OutputWait>> output_waits_;
     std::vector<Snapshot<SensorBusState>> bus_states_;
     std::vector<Snapshot<ValueStatus>> value_status_;
     std::vector<Snapshot<dronecan::NodeReport>> node_reports_;

@@ -10,12 +10,23 @@ namespace {
 /// Period of publication: half of the period in which the main thread reads.
 constexpr Duration kPublishPeriod = std::chrono::milliseconds(100);
 
+/// Whether its frame faults say something.
+bool has_faults(const InputFigures& input) {
+    return input.implausible_frames > 0 || input.state.cause == LinkCause::garbled ||
+           input.state.cause == LinkCause::radio_lost;
+}
+
+bool waits(const OutputFigures& output) {
+    return output.state.stage == OutputStage::failsafe ||
+           output.state.stage == OutputStage::holding;
+}
+
 }  // namespace
 
 void Loop::publish_input(std::size_t index, Instant now) {
     engine_.look(index, now);
     const Input& input = engine_.inputs()[index];
-    InputStatus status;
+    InputFigures status;
     status.at = now;
     status.latest = input.latest();
     status.counts = input.counts();
@@ -27,27 +38,33 @@ void Loop::publish_input(std::size_t index, Instant now) {
     status.skipped_bytes = input.decoder().skipped_bytes();
     status.interval = input.arrivals().interval();
     status.state = engine_.input_state(index, now);
-    status.implausible = input.link().implausible();
-    status.fault = input.fault();
+    status.implausible_frames = input.link().implausible().frames;
     status.ever_good = input.link().ever_good();
     status.two_senders = input.decoder().two_senders();
-    input_status_[index].publish(status);
+    // Before the figures that say that there are some.
+    if (has_faults(status)) {
+        frame_faults_[index].publish({input.link().implausible(), input.fault()});
+    }
+    input_figures_[index].publish(status);
 }
 
 void Loop::publish_output(std::size_t index, Instant now) {
     const Output& output = engine_.outputs()[index];
-    OutputStatus status;
+    OutputFigures status;
     status.at = now;
     status.latest = output.latest();
     status.counts = output.counts();
     status.overruns = output.overruns();
     status.state = output.state(now);
-    status.wait = engine_.wait(index, now);
     status.due = output.due();
     status.period = output.period();
     status.sends = output.sends();
     status.answers = output.answers();
-    output_status_[index].publish(status);
+    // Before the figures that say that it waits.
+    if (waits(status)) {
+        output_waits_[index].publish(engine_.wait(index, now));
+    }
+    output_figures_[index].publish(status);
 }
 
 void Loop::publish_values() {
@@ -67,18 +84,29 @@ void Loop::publish_values() {
 }
 
 InputStatus Loop::input_status(std::size_t input) const {
-    InputStatus status = input_status_[input].read();
+    InputStatus status{input_figures_[input].read(), {}};
+    if (has_faults(status)) {
+        static_cast<FrameFaults&>(status) = frame_faults_[input].read();
+    }
     const Instant newest{Duration(newest_at_ns_[input].load(std::memory_order_relaxed))};
     status.newest_at = std::max(newest, status.latest.received);
     return status;
 }
 
+OutputStatus Loop::output_status(std::size_t output) const {
+    OutputStatus status{output_figures_[output].read(), {}};
+    if (waits(status)) {
+        status.wait = output_waits_[output].read();
+    }
+    return status;
+}
+
 [[gnu::noinline]] void Loop::publish(Instant now) {
     next_publish_ = now + kPublishPeriod;
-    for (std::size_t i = 0; i < input_status_.size(); ++i) {
+    for (std::size_t i = 0; i < input_figures_.size(); ++i) {
         publish_input(i, now);
     }
-    for (std::size_t i = 0; i < output_status_.size(); ++i) {
+    for (std::size_t i = 0; i < output_figures_.size(); ++i) {
         publish_output(i, now);
     }
     publish_values();

@@ -32,6 +32,7 @@ namespace tribus {
 namespace {
 
 constexpr std::size_t kFrames = 5;
+constexpr int kIndex = 1;  ///< of the interface
 
 /// Holds the frames that the socket reads next.
 struct Kernel {
@@ -86,6 +87,7 @@ class Driver {
         CanInterface interface;
         interface.name = "can0";
         interface.kind = "can";
+        interface.index = kIndex;
         interface.up = true;
         interface.lower_up = true;
         interface.echo = echo;
@@ -175,12 +177,17 @@ ssize_t recv(int /*socket*/, void* /*bytes*/, std::size_t /*size*/, int /*flags*
     return -1;
 }
 
-/// SIOCGIFFLAGS: the interface is up.
+/// The name is that of the interface, which is up.
 int ioctl(int /*socket*/, unsigned long request, ...) noexcept {
     std::va_list arguments;
     va_start(arguments, request);
-    va_arg(arguments, ifreq*)->ifr_flags = IFF_UP | IFF_RUNNING;
+    ifreq& answer = *va_arg(arguments, ifreq*);
     va_end(arguments);
+    if (request == SIOCGIFINDEX) {
+        answer.ifr_ifindex = tribus::kIndex;
+    } else {
+        answer.ifr_flags = IFF_UP | IFF_RUNNING;
+    }
     ++tribus::kernel.calls;
     return 0;
 }

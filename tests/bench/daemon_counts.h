@@ -32,7 +32,7 @@ inline constexpr std::array kDaemonRows{
     DaemonRow{"SbusToIbus18", Carries::ibus_of_sbus, 2460},
 };
 /// User instructions a second of the main thread, which looks at the devices five times a second.
-inline constexpr double kMostOfMainThread = 25'000;
+inline constexpr double kMostOfMainThread = 27'000;
 /// System calls of the data thread: a wait, a read, a question whether the port still has the frame
 /// before, and a write; and some wake-ups for the figures.
 inline constexpr double kMostCallsAFrame = 4.05;
@@ -42,7 +42,7 @@ inline constexpr double kLeastCallsAFrame = 3;
 inline constexpr double kMostMemory = 4.0e6;
 inline constexpr double kMostMemoryAfterAReload = 4.5e6;
 inline constexpr double kMostMemoryOfNoFile = 0.77e6;
-inline constexpr double kMostMemoryOfAPipeline = 14.3 * 1024;
+inline constexpr double kMostMemoryOfAPipeline = 15.2 * 1024;
 
 struct DaemonInstructions {
     double a_frame = 0;  ///< of all threads

@@ -27,6 +27,9 @@ using test::StoredNumbers;
 constexpr std::size_t kMostSteps = 300;
 constexpr std::size_t kMostKept = 64;
 constexpr std::uint32_t kFirstId = 0x300;
+/// Snapshots that are sent at one instant have numbers ahead of the sender's clock, a step each. A
+/// real output sends far less often. A start takes longer than all of them.
+constexpr Duration kStartTime = kMostSteps * kTimeStep;
 
 struct Kept {
     bool to_receiver = false;
@@ -66,12 +69,35 @@ class World {
                 invent(input);
                 break;
             default:
-                input.below(2) == 0 ? restart_sender() : restart_receiver();
+                restart(input);
                 break;
         }
     }
 
   private:
+    void restart(Input& input) {
+        const std::size_t way = input.byte();
+        if (way % 2 != 0) {
+            restart_receiver();
+            return;
+        }
+        now_ += kStartTime;
+        switch (way / 2 % 4) {
+            case 1:
+                sent_numbers_.stop();
+                break;
+            case 2:
+                sent_numbers_.lose_clock(now_);
+                break;
+            case 3:
+                // A suspend, after which it goes on.
+                sent_numbers_.lose_clock(now_);
+                return;
+            default:
+                break;
+        }
+        restart_sender();
+    }
     void restart_sender() {
         if (fd_) {
             sender_ = make_fd_encoder(fd_link());

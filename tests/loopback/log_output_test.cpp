@@ -19,6 +19,8 @@ namespace tribus::test::log_output_test {
 namespace {
 
 constexpr std::size_t kFewBytes = 64;
+/// The log says what has changed each 200 ms, and a frame goes out each 7 ms.
+constexpr int kFramesOfTwoLooks = 60;
 
 class LogOutput : public Loopback {
   protected:
@@ -56,7 +58,7 @@ class LogOutput : public Loopback {
             if (close_reader_) {
                 close_reader();
             }
-            ASSERT_TRUE(servos_see(false, 200));
+            ASSERT_TRUE(servos_see(false, kFramesOfTwoLooks));
             ASSERT_TRUE(program.runs()) << "ended with " << program.end().value_or(-1);
         }
         // The heap trap waits for room.
@@ -125,12 +127,17 @@ TEST_F(LogOutput, EndsNoneOfTheProgramsThatServe) {
     }
 }
 
-/// What prints results ends when nobody reads them.
+/// What prints results ends when nobody reads them: `head` leaves after a line. The input, i.Bus
+/// frames of 14 channels at 1500 us, never ends. `timeout` would end it with status 124.
 TEST(ResultsForNobody, EndACommandThatWouldPrintForEver) {
     const Ended result = run_in_shell(
-        "yes 'U' | timeout 60 \"$TRIBUS\" decode --protocol ibus --input-format raw --format csv | "
-        "head -1; echo \"${PIPESTATUS[1]}\"");
-    EXPECT_EQ(result.output.find("124"), std::string::npos) << result.output;
+        "channels=$(printf '\\334\\005%.0s' 1 2 3 4 5 6 7 8 9 10 11 12 13 14); "
+        "yes \"$(printf ' @%sQ\\363' \"$channels\")\" | "
+        "{ timeout 10 \"$TRIBUS\" decode --protocol ibus --input-format raw --format csv; "
+        "echo \"status $?\" >&2; } | head -1");
+    EXPECT_NE(result.output.find("t_us,ch1"), std::string::npos) << result.output;
+    EXPECT_NE(result.output.find("status "), std::string::npos) << result.output;
+    EXPECT_EQ(result.output.find("status 124"), std::string::npos) << result.output;
 }
 
 /// Libraries throw when standard error cannot be written.

@@ -15,6 +15,17 @@ namespace tribus::test::memory_of_tools_test {
 namespace {
 
 constexpr long kMostKib = 30 * 1024;
+/// Input that would not fit, if it were kept.
+constexpr long kEnoughBytes = 4 * kMostKib * 1024;
+
+/// Bytes that a program has read, from /proc/PID/io; 0 if it has ended.
+long read_by(const Program& program) {
+    std::ifstream io("/proc/" + std::to_string(program.pid()) + "/io");
+    std::string name;
+    long bytes = 0;
+    io >> name >> bytes;
+    return bytes;
+}
 
 class MemoryOfTools : public Loopback {
   protected:
@@ -23,18 +34,19 @@ class MemoryOfTools : public Loopback {
             GTEST_SKIP() << "the sanitizer takes memory of its own";
         }
     }
-    /// Peak of its memory while it runs, at most for some seconds.
+    /// Peak of its memory until it ends or has read enough, at most for some seconds.
     long peak_of(const std::vector<std::string>& arguments, const std::string& input = "") {
         Program& program = start(arguments, {.input = input});
         long peak = 0;
         eventually(
             [&] {
+                const bool enough = read_by(program) > kEnoughBytes;
                 try {
                     peak = std::max(peak, program.memory_kib("VmHWM"));
                 } catch (const std::runtime_error&) {
                     // It has ended.
                 }
-                return !program.runs();
+                return !program.runs() || enough;
             },
             std::chrono::seconds(4));
         program.signal(SIGKILL);

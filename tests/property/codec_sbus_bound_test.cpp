@@ -272,8 +272,12 @@ TEST(SbusBound, NoTruncatedFrameBecomesOneThatNobodySent) {
         print(sticks == moving_sticks ? "truncated, moving" : "truncated, random",
               std::to_string(cuts) + " cuts", score);
         EXPECT_EQ(score.wrong, 0U);
-        // Five of the frames are whole. Two of them may come out of one read and then count as one.
-        EXPECT_GE(score.right, 97 * 5 * cuts / 100);
+        // Five of the frames are whole. Two that come out of one read count as one. In bursts these
+        // are the first whole frame of the line and the next one, if the first whole one is not
+        // followed by the cut one: it may be the beginning of one of 24 channels until the line has
+        // paused behind it, and only the next read shows the pause. So 43 of the 45 frames count
+        // that come at three ports with three frames hit.
+        EXPECT_GE(score.right, 43 * 5 * cuts / 45);
     }
 }
 

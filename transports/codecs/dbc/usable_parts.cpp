@@ -64,8 +64,11 @@ DbcFile usable_dbc_parts(DbcStatements statements) {
         return std::pair(mistake.line, mistake.column);
     };
     std::ranges::stable_sort(file.warnings, {}, place);
-    const auto twice = std::ranges::unique(file.warnings, {}, place);
-    file.warnings.erase(twice.begin(), twice.end());
+    const auto same_place = [&](const DbcMistake& a, const DbcMistake& b) {
+        return place(a) == place(b);
+    };
+    file.warnings.erase(std::unique(file.warnings.begin(), file.warnings.end(), same_place),
+                        file.warnings.end());
     return file;
 }
 

@@ -31,10 +31,11 @@ SbusDecoder::Step SbusDecoder::step_expecting() {
 bool SbusDecoder::wide_burst_ends() const {
     constexpr std::size_t kMostAtOnce = 4;
     const std::size_t size = buffer_.size();
+    if (size < 2 || buffer_[size - 1] != 0 || !flags_allowed(buffer_[size - 2])) {
+        return false;
+    }
     const std::uint64_t burst = buffer_.first_position() + size - burst_begin_;
-    return burst != 0 && burst <= kMostAtOnce * kSbus24FrameLength &&
-           burst % kSbus24FrameLength == 0 && size >= 2 && flags_allowed(buffer_[size - 2]) &&
-           buffer_[size - 1] == 0;
+    return burst <= kMostAtOnce * kSbus24FrameLength && burst % kSbus24FrameLength == 0;
 }
 
 /// A pause proves a frame as well as a second frame does, if no bytes before the frame may belong
@@ -57,9 +58,12 @@ bool SbusDecoder::silence(DecodedFrame& frame) {
         lock_onto(last ? size - kSbusFrameLength : 0);
         take_front(Instant{}, frame);
     } else {
-        const bool frame_began = size != 0 && (buffer_[0] == kHeader || buffer_.damaged(0));
-        rejected_[kFraming].count += in_step() && frame_began ? 1U : 0U;
-        skip(size);
+        // Behind the frames of a usual line nothing waits.
+        if (size != 0) {
+            const bool frame_began = buffer_[0] == kHeader || buffer_.damaged(0);
+            rejected_[kFraming].count += in_step() && frame_began ? 1U : 0U;
+            skip(size);
+        }
         length_shown_ = length_shown_ && !wide;
         state_ = length_shown_ ? State::locked : State::expecting;
         stray_bytes_ = false;

@@ -20,9 +20,9 @@ inline constexpr std::string_view kSbus24Text =
 
 /// Whether the bytes are a frame: header 0F, 24 channels of 11 bits, flags, footer 00.
 inline bool is_sbus24_frame(std::span<const std::uint8_t, kSbus24FrameLength> bytes) {
-    constexpr std::uint8_t kHeader = 0x0F;
+    constexpr std::uint8_t kFirstByte = 0x0F;
     constexpr std::uint8_t kMostFlags = 0x0F;
-    return bytes.front() == kHeader && bytes[kSbus24FrameLength - 2] <= kMostFlags &&
+    return bytes.front() == kFirstByte && bytes[kSbus24FrameLength - 2] <= kMostFlags &&
            bytes.back() == 0;
 }
 

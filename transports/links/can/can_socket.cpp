@@ -137,17 +137,20 @@ ReadStatus CanSocket::read(CanReception& reception, Instant now, Duration wall_t
     }
     const auto count = static_cast<std::size_t>(taken);
     buffers_->used = count;
-    // After the frames were read: if the name is still that of this interface, it was so when they
-    // came.
-    read_changes(now);
-    if (lost_) {
-        return ReadStatus::lost;
-    }
     for (std::size_t index = 0; index < count; ++index) {
         if (const auto received = process(index, now, wall_time)) {
             reception.frames[reception.count] = *received;
             ++reception.count;
         }
+    }
+    // After the frames were read: if the name is still that of this interface, it was so when they
+    // came.
+    if (reception.count > 0) {
+        read_changes(now);
+    }
+    if (lost_) {
+        reception.count = 0;
+        return ReadStatus::lost;
     }
     reception.full = count == kCanFramesPerRead;
     if (reception.full) {
@@ -175,7 +178,8 @@ ReadStatus CanSocket::read_failed(int error, Instant now, Duration wall_time) {
         emptied(now, wall_time);
         read_changes(now);
         return lost_ ? ReadStatus::lost : ReadStatus::nothing;
-    } else if (error == ENETDOWN) {
+    }
+    if (error == ENETDOWN) {
         // Reported once. The same socket works again when the interface is up
         // (docs/protocols/can.md, "SocketCAN: loss and errors").
         went_down();
@@ -260,9 +264,6 @@ void CanSocket::note_drops(std::uint32_t drops) {
 }
 
 WriteStatus CanSocket::write(std::size_t lane, std::span<const CanFrame> snapshot, Instant now) {
-    if (!lost_) {
-        read_changes(now);
-    }
     if (!lost_ && !up_since_) {
         check_line(now);
     }
@@ -311,7 +312,11 @@ void CanSocket::pump(Instant now) {
 
 /// Returns whether there was something to send.
 bool CanSocket::send_next(Instant now) {
-    const std::span<const CanFrame> frames = transmitter_.next(now);
+    std::span<const CanFrame> frames = transmitter_.next(now);
+    // Last before they leave, once in a wake-up: the name may be that of another bus now.
+    if (!frames.empty() && changes_read_ != now && read_changes(now)) {
+        frames = lost_ ? std::span<const CanFrame>() : transmitter_.next(now);
+    }
     if (frames.empty()) {
         return false;
     }

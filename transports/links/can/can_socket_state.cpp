@@ -22,12 +22,13 @@ bool CanSocket::works() const {
            state != CanBusState::stalled;
 }
 
-/// The kernel tells that some network interface has changed; this one is then looked at. Costs one
-/// system call where nothing has.
-void CanSocket::read_changes(Instant now) {
+/// The kernel tells that some network interface has changed; this one is then looked at, and true
+/// returned. Costs one system call where nothing has.
+bool CanSocket::read_changes(Instant now) {
     constexpr int kMostMessages = 64;
     std::array<std::byte, sizeof(nlmsghdr)> beginning{};
     bool changed = false;
+    changes_read_ = now;
     for (int message = 0; message < kMostMessages; ++message) {
         const ssize_t size =
             ::recv(changes_.get(), beginning.data(), beginning.size(), MSG_DONTWAIT);
@@ -40,6 +41,7 @@ void CanSocket::read_changes(Instant now) {
     if (changed) {
         check_line(now);
     }
+    return changed;
 }
 
 void CanSocket::recheck(Instant now) {

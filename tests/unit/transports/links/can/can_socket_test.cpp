@@ -1,5 +1,6 @@
 #include "transports/links/can/can_socket.h"
 
+#include <linux/can.h>
 #include <sys/socket.h>
 
 #include <array>
@@ -29,7 +30,11 @@ class SocketOfName : public ::testing::Test {
     }
     /// The kernel tells of a change of some network interface.
     void tell_of_a_change() const { ASSERT_EQ(::send(teller_.get(), "x", 1, 0), 1); }
-    void put_on_the_bus() const { ASSERT_EQ(::send(bus_.get(), "frame", 5, 0), 5); }
+    void put_on_the_bus() const {
+        can_frame frame{};
+        frame.len = 8;
+        ASSERT_EQ(::send(bus_.get(), &frame, sizeof frame, 0), sizeof frame);
+    }
     CanSocket socket_of(std::uint32_t index) {
         const auto pair = [](UniqueFd& here, UniqueFd& there) {
             std::array<int, 2> ends{};
@@ -78,9 +83,14 @@ TEST_F(SocketOfName, IsLostAsSoonAsTheNameIsThatOfAnotherInterface) {
 /// What waits may have come from the other bus.
 TEST_F(SocketOfName, ReadsNothingMoreThatWaits) {
     CanSocket socket = socket_of(kIndex + 1);
+    // It is empty at first, so that what comes has an age without the kernel's stamp.
+    EXPECT_EQ(read(socket), ReadStatus::nothing);
+    put_on_the_bus();
+    EXPECT_EQ(read(socket), ReadStatus::received);
     put_on_the_bus();
     tell_of_a_change();
     EXPECT_EQ(read(socket), ReadStatus::lost);
+    EXPECT_EQ(socket.status().counts.received, 1U);
 }
 
 TEST_F(SocketOfName, SendsNothingMoreToTheOtherBus) {
