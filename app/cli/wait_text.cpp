@@ -154,13 +154,13 @@ std::string wait_key(const OutputWait& wait, std::span<const std::string> inputs
                        wait.input ? inputs[*wait.input] : std::string());
 }
 
-const std::string& WaitWatch::look(const std::string& key, bool stage_changed, Instant now) {
+const std::string& WaitWatch::look(const std::string& key, bool state_changed, Instant now) {
     if (key == told_) {
         differs_since_.reset();
         return told_;
     }
     differs_since_ = differs_since_.value_or(now);
-    if (stage_changed || now - *differs_since_ >= kPatience) {
+    if (state_changed || now - *differs_since_ >= kPatience) {
         told_ = key;
         differs_since_.reset();
     }

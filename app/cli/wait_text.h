@@ -26,7 +26,7 @@ std::string output_sentence(const OutputState& state, const OutputWait& wait,
 /// It has names, not indices: another configuration may number the inputs differently.
 std::string wait_key(const OutputWait& wait, std::span<const std::string> inputs);
 
-/// Decides when a change of what an output waits for is told: at once when its stage changes, else
+/// Decides when a change of what an output waits for is told: at once when its state changes, else
 /// when it has waited for something else for `kPatience`. A start or a recovery without trouble
 /// takes less. Pure; thread-bound.
 class WaitWatch {
@@ -36,7 +36,7 @@ class WaitWatch {
     static constexpr Duration kPatience = std::chrono::milliseconds(700);
 
     /// `key`: what it waits for at `now`. Returns the one to be told.
-    const std::string& look(const std::string& key, bool stage_changed, Instant now);
+    const std::string& look(const std::string& key, bool state_changed, Instant now);
 
   private:
     std::string told_;

@@ -181,9 +181,10 @@ std::string StateLog::outvoted_names(std::uint32_t outvoted,
 void StateLog::look_at_output(const std::string& name, const OutputStatus& status,
                               std::span<const std::size_t> places, OutputMemory& memory,
                               Instant now) {
-    const bool same_stage = memory.state && memory.state->stage == status.state.stage;
+    // A line about the state says what it waits for, too.
+    const bool changed = memory.state && status.state != *memory.state;
     const std::string& awaited =
-        memory.awaited.look(wait_key(status.wait, input_names_), memory.state && !same_stage, now);
+        memory.awaited.look(wait_key(status.wait, input_names_), changed, now);
     // Nearly always nothing has changed, and nothing waits to be logged.
     if (status.state != memory.state || awaited != memory.word.seen().awaited ||
         memory.word.seen() != memory.word.reported()) {

@@ -56,9 +56,9 @@ void SimulateLog::look_at_output(std::size_t index, Instant now) {
     // No module answers here.
     state.hearing = Hearing::not_awaited;
     const OutputWait wait = engine_.wait(index, now);
-    const bool stage_changed = memory.state && memory.state->stage != state.stage;
-    const std::string& awaited =
-        memory.awaited.look(wait_key(wait, input_names_), stage_changed, now);
+    // A line about the state says what it waits for, too.
+    const bool changed = memory.state && state != *memory.state;
+    const std::string& awaited = memory.awaited.look(wait_key(wait, input_names_), changed, now);
     if (state == memory.state && awaited == memory.awaited_printed) {
         return;
     }

@@ -32,7 +32,7 @@ inline constexpr std::array kDaemonRows{
     DaemonRow{"SbusToIbus18", Carries::ibus_of_sbus, 2460},
 };
 /// User instructions a second of the main thread, which looks at the devices five times a second.
-inline constexpr double kMostOfMainThread = 27'000;
+inline constexpr double kMostOfMainThread = 29'000;
 /// System calls of the data thread: a wait, a read, a question whether the port still has the frame
 /// before, and a write; and some wake-ups for the figures.
 inline constexpr double kMostCallsAFrame = 4.05;

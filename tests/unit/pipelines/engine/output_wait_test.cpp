@@ -157,7 +157,7 @@ TEST(WaitWatch, tells_a_change_after_its_patience) {
     EXPECT_EQ(watch.look("silent", false, at(700ms)), "silent");
 }
 
-TEST(WaitWatch, tells_a_change_at_once_with_a_change_of_the_stage) {
+TEST(WaitWatch, tells_a_change_at_once_with_a_change_of_the_state) {
     WaitWatch watch;
     EXPECT_EQ(watch.look("silent", true, at(0ms)), "silent");
     EXPECT_EQ(watch.look("", true, at(10ms)), "");
