@@ -302,24 +302,25 @@ Instant CanSocket::poll(Instant now) {
 }
 
 void CanSocket::pump(Instant now) {
-    // Each turn hands over a waiting frame, so there cannot be more turns than this.
-    for (std::size_t turn = 0; turn < kMostLanes * kMostSnapshotFrames && !lost_; ++turn) {
-        if ((transmitter_.in_flight() && !flight_is_over(now)) || !send_next(now)) {
+    bool looked = false;
+    // Each turn but the look hands over a waiting frame, so there cannot be more turns than this.
+    for (std::size_t turn = 0; turn <= kMostLanes * kMostSnapshotFrames && !lost_; ++turn) {
+        if (transmitter_.in_flight() && !flight_is_over(now)) {
             return;
         }
+        const std::span<const CanFrame> frames = transmitter_.next(now);
+        if (frames.empty()) {
+            return;
+        }
+        // Last before they leave: the name may be that of another bus now.
+        if (!std::exchange(looked, true) && read_changes(now)) {
+            continue;
+        }
+        send(frames, now);
     }
 }
 
-/// Returns whether there was something to send.
-bool CanSocket::send_next(Instant now) {
-    std::span<const CanFrame> frames = transmitter_.next(now);
-    // Last before they leave, once in a wake-up: the name may be that of another bus now.
-    if (!frames.empty() && changes_read_ != now && read_changes(now)) {
-        frames = lost_ ? std::span<const CanFrame>() : transmitter_.next(now);
-    }
-    if (frames.empty()) {
-        return false;
-    }
+void CanSocket::send(std::span<const CanFrame> frames, Instant now) {
     buffers_->prepare_to_send(frames);
     drops_when_handed_ = drops_;
     const int sent = ::sendmmsg(fd_.get(), buffers_->sent_headers.data(),
@@ -329,7 +330,6 @@ bool CanSocket::send_next(Instant now) {
     } else {
         transmitter_.handed(static_cast<std::size_t>(sent), now);
     }
-    return true;
 }
 
 bool CanSocket::flight_is_over(Instant now) {

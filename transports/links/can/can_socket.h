@@ -82,7 +82,7 @@ class CanSocket final : public CanLink {
     void emptied(Instant now, Duration wall_time);
     void note_drops(std::uint32_t drops);
     void pump(Instant now);
-    bool send_next(Instant now);
+    void send(std::span<const CanFrame> frames, Instant now);
     bool read_changes(Instant now);
     void send_failed(int error, Instant now);
     void recheck(Instant now);
@@ -102,7 +102,6 @@ class CanSocket final : public CanLink {
     ClockStep clock_step_;            ///< since then
     bool stamps_usable_ = true;       ///< whether the stamps of the current read are usable
     Instant checked_{};
-    Instant changes_read_{};
     std::uint32_t drops_ = 0;  ///< as far as the reads told
     std::uint32_t drops_when_handed_ = 0;
     bool drops_unread_ = false;  ///< a read was full, so the kernel may have dropped frames

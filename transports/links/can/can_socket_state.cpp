@@ -28,7 +28,6 @@ bool CanSocket::read_changes(Instant now) {
     constexpr int kMostMessages = 64;
     std::array<std::byte, sizeof(nlmsghdr)> beginning{};
     bool changed = false;
-    changes_read_ = now;
     for (int message = 0; message < kMostMessages; ++message) {
         const ssize_t size =
             ::recv(changes_.get(), beginning.data(), beginning.size(), MSG_DONTWAIT);
