@@ -12,9 +12,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "app/cli/cause_text.h"
 #include "app/cli/protocol_use.h"
 #include "app/client/status_fields.h"
+#include "app/state_text/cause_text.h"
 #include "config/build/build.h"
 #include "config/build/carry_over.h"
 #include "config/schema/configured_names.h"

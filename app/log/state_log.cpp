@@ -85,7 +85,7 @@ void StateLog::look_at_input(const std::string& name, const InputStatus& status,
         const LogFields fields({"TRIBUS_INPUT", name});
         log_warning("input {}: {}", name, kTwoSendersText);
     }
-    // What such an input lacks is told of the output that waits for it.
+    // The line of the output that waits for it says what it lacks.
     if (status.state.cause == LinkCause::unproved) {
         return;
     }

@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "app/appliance/appliance.h"
-#include "app/cli/cause_text.h"
-#include "app/cli/wait_text.h"
 #include "app/journal/log_limit.h"
 #include "app/log/can_report.h"
 #include "app/log/node_log.h"
 #include "app/log/sensor_bus_log.h"
+#include "app/state_text/cause_text.h"
+#include "app/state_text/wait_text.h"
 #include "config/build/carry_over.h"
 #include "core/change_report.h"
 #include "core/rate_limit.h"

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "app/cli/cause_text.h"
 #include "app/journal/print_error.h"
+#include "app/state_text/cause_text.h"
 
 namespace tribus {
 namespace {
@@ -36,7 +36,7 @@ void SimulateLog::look_at_input(std::size_t index, Instant now) {
     const Input& input = engine_.inputs()[index];
     if (input.state().cause != causes_[index]) {
         const LinkState state = engine_.input_state(index, now);
-        // What such an input lacks is told of the output that waits for it.
+        // The line of the output that waits for it says what it lacks.
         if (state.cause != LinkCause::unproved) {
             causes_[index] = state.cause;
             print_change(now, "input", input_names_[index],

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "app/cli/cause_text.h"
-#include "app/cli/wait_text.h"
+#include "app/state_text/cause_text.h"
+#include "app/state_text/wait_text.h"
 #include "core/time.h"
 #include "pipelines/engine/engine.h"
 #include "pipelines/rules/link_supervisor.h"

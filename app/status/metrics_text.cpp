@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "app/cli/cause_text.h"
+#include "app/state_text/cause_text.h"
 #include "core/link_cause.h"
 
 namespace tribus {

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "app/cli/cause_text.h"
 #include "app/cli/object_text.h"
-#include "app/cli/wait_text.h"
+#include "app/state_text/cause_text.h"
+#include "app/state_text/wait_text.h"
 #include "app/status/metrics_text.h"
 #include "app/status/sensor_bus_json.h"
 #include "config/schema/choices.h"

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "app/cli/cause_text.h"
-#include "app/cli/wait_text.h"
+#include "app/state_text/cause_text.h"
+#include "app/state_text/wait_text.h"
 
 namespace tribus {
 namespace {

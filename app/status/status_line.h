@@ -18,7 +18,7 @@ class StatusLine {
     StatusLine(std::vector<std::string> inputs, std::vector<std::string> outputs);
 
     /// Both lists are in the order of the names. Durations of a failsafe or loss are rounded down
-    /// to steps, so that the line does not change all the time.
+    /// to steps, so that they do not change the line all the time.
     std::string text(std::span<const InputStatus> inputs, std::span<const OutputStatus> outputs,
                      Instant now);
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "app/cli/cause_text.h"
+#include "app/state_text/cause_text.h"
 #include "config/build/build.h"
 #include "core/link_cause.h"
 #include "pipelines/virtual_time/virtual_loop.h"

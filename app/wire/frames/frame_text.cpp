@@ -9,7 +9,7 @@
 #include <span>
 #include <string_view>
 
-#include "app/cli/cause_text.h"
+#include "app/state_text/cause_text.h"
 #include "app/wire/frames/frame_json.h"
 #include "core/counted.h"
 

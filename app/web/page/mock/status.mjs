@@ -6,8 +6,7 @@ const CAUSES = ['wire_silent', 'garbled', 'radio_lost', 'stale', 'implausible', 
 /** Every state that the page must draw; the tests and `mock.mjs --scene` name them. */
 export const SCENES = [
     'good', 'never_seen', 'hold', 'failsafe', 'forced', 'awaits_release', 'silent',
-    'cannot_send_device', 'cannot_send_bus', 'cannot_send_busy', 'cannot_send_receiver',
-    'frame_lost', 'absent_channel', 'reversed', 'undervoltage', ...CAUSES,
+    'unproved', 'cannot_send_device', 'cannot_send_bus', 'frame_lost', 'absent_channel', 'reversed', 'undervoltage', ...CAUSES,
 ];
 
 const distribution = (p50, p99, max) => ({ count: 400, p50_us: p50, p99_us: p99, max_us: max });
@@ -24,7 +23,8 @@ function sticks(count, seconds) {
 
 export function input(name, protocol, port, channels, seconds) {
     return {
-        name, protocol, port, state: 'good', cause: 'good', sign: 'none', state_age_us: 3_004_476,
+        name, protocol, port, state: 'good', cause: 'good', sign: 'none', text: 'good',
+        state_age_us: 3_004_476,
         rate_hz: jitter(129, 131), interval_us: 7700, age_us: Math.round(jitter(300, 7700)),
         channels: sticks(channels, seconds), frame_lost: false, failsafe: false, bytes: 11_584,
         frames: 362, frame_lost_frames: 0, failsafe_frames: 0, skipped_bytes: 0, device_losses: 0,
@@ -36,8 +36,9 @@ export function input(name, protocol, port, channels, seconds) {
 
 export function output(name, protocol, port, inputs, from) {
     return {
-        name, protocol, port, inputs, state: 'control', obstacle: null, waits_for: null,
-        forced: false, awaits_release: false, input: inputs[0], outvoted: [], rate_hz: jitter(70.5, 71.5),
+        name, protocol, port, inputs, state: 'control', text: `under control of ${inputs[0]}`,
+        obstacle: null, waits_for: null, forced: false, awaits_release: false, input: inputs[0],
+        outvoted: [], rate_hz: jitter(70.5, 71.5),
         period_us: 14_000, channels: [...from.channels, 1500, 1500, 1500, 1500].slice(0, 18),
         frame_lost: false, failsafe: false, cause: 'good', frames: 232, overruns: 0,
         deadline_misses: 0, dropped: { busy: 0, lost: 0, unavailable: 0 }, foreign_frames: 0,
@@ -55,6 +56,7 @@ function lose(status, cause, age) {
         Object.assign(one, {
             state: 'failsafe', cause, state_age_us: age,
             sign: cause === 'radio_lost' ? 'failsafe_flag' : 'none',
+            text: `${cause.replaceAll('_', ' ')} (as the daemon says)`,
             rate_hz: stops ? 0 : one.rate_hz, age_us: stops ? age + 100_000 : one.age_us,
             channels: stops ? sticks(one.channels.length, 1) : one.channels,
         });
@@ -68,28 +70,21 @@ function all(status, change) {
     }
 }
 
-const failsafe = { state: 'failsafe', input: null, frame_lost: true, failsafe: true,
+const failsafe = { state: 'failsafe', text: 'in failsafe', input: null, frame_lost: true, failsafe: true,
     channels: PRESETS, failsafe_entries: 1 };
-
-function cannotSend(status, obstacle) {
-    all(status, { ...failsafe, state: 'cannot_send', obstacle, rate_hz: 0 });
-    if (obstacle === 'device') {
-        status.ports.find((port) => port.name === status.outputs[0].port).present = false;
-    }
-}
 
 const CHANGES = {
     good() {},
     never_seen(status) {
         for (const one of status.inputs) {
             Object.assign(one, { state: 'failsafe', cause: 'never_seen', state_age_us: null,
-                rate_hz: 0, age_us: null, channels: [] });
+                text: 'never seen', rate_hz: 0, age_us: null, channels: [] });
         }
         all(status, failsafe);
     },
     hold(status) {
         lose(status, 'wire_silent', 120_000);
-        all(status, { state: 'hold', input: null, frame_lost: true, cause: 'wire_silent',
+        all(status, { state: 'hold', text: 'holding the last values', input: null, frame_lost: true, cause: 'wire_silent',
             channels: [...sticks(14, 1), 1500, 1500, 1500, 1500] });
     },
     failsafe(status) {
@@ -97,18 +92,26 @@ const CHANGES = {
         all(status, failsafe);
     },
     forced: (status) => all(status, {
-        ...failsafe, forced: true, waits_for: 'the GPIO line that forces failsafe',
+        ...failsafe, text: 'in failsafe, forced', forced: true, waits_for: 'the GPIO line that forces failsafe',
     }),
-    awaits_release: (status) => all(status, { ...failsafe, awaits_release: true }),
+    awaits_release: (status) => all(status, {
+        ...failsafe, text: 'in failsafe until release_when is true', awaits_release: true,
+    }),
     silent(status) {
         lose(status, 'wire_silent', 9_000_000);
         all(status, { ...failsafe, state: 'silent', rate_hz: 0 });
     },
-    cannot_send_device: (status) => cannotSend(status, 'device'),
-    cannot_send_bus: (status) => cannotSend(status, 'bus'),
-    cannot_send_busy: (status) => cannotSend(status, 'busy'),
-    cannot_send_receiver: (status) => cannotSend(status, 'receiver'),
-    cannot_send_epoch: (status) => cannotSend(status, 'epoch'),
+    unproved(status) {
+        lose(status, 'unproved', 200_000);
+        all(status, { ...failsafe, waits_for: 'receiver: good for 0.2 of 0.5 s' });
+    },
+    cannot_send_device(status) {
+        all(status, { ...failsafe, state: 'cannot_send', text: 'cannot send: its device is gone',
+            obstacle: 'device', rate_hz: 0 });
+        status.ports.find((port) => port.name === status.outputs[0].port).present = false;
+    },
+    cannot_send_bus: (status) => all(status, { ...failsafe, state: 'cannot_send',
+        text: 'cannot send: the bus takes nothing', obstacle: 'bus', rate_hz: 0 }),
     frame_lost(status) {
         status.inputs[0].state = 'frame_lost';
     },

@@ -16,35 +16,26 @@ const withPage = (options, body) => withMock(browser, options, body);
 const said = (page) => page.locator('.sentence .said').first().innerText();
 const why = (page) => page.locator('.sentence .why').first().innerText();
 
+const CAUSES = ['garbled', 'stale', 'implausible', 'channels_missing', 'no_key', 'forged', 'replayed',
+    'late'];
 const WORDS = [
     ['good', 'control', /^under control of receiver$/, /^$/],
     ['never_seen', 'waiting', /^waiting: in failsafe$/, /receiver: never seen/],
-    ['hold', 'hold', /^holding the last values, marked frame-lost$/,
-        /receiver: wire silent \(no bytes any more\) for 120 ms/],
+    ['hold', 'hold', /^holding the last values$/,
+        /receiver: wire silent \(as the daemon says\) for 120 ms/],
     ['failsafe', 'failsafe', /^in failsafe$/,
-        /presets; receiver: radio lost \(the receiver says failsafe\) for 4.2 s/],
+        /presets; receiver: radio lost \(as the daemon says\) for 4.2 s/],
     ['forced', 'failsafe', /^in failsafe, forced$/, /GPIO line/],
     ['awaits_release', 'failsafe', /^in failsafe until release_when is true$/, /presets/],
     ['silent', 'silent', /^in failsafe$/, /it sends nothing/],
+    ['unproved', 'failsafe', /^in failsafe$/, /waits for receiver: good for 0.2 of 0.5 s$/],
     ['cannot_send_device', 'cannot_send', /^cannot send: its device is gone$/, /.*/],
     ['cannot_send_bus', 'cannot_send', /^cannot send: the bus takes nothing$/, /.*/],
-    ['cannot_send_busy', 'cannot_send', /^cannot send: the port still has earlier frames$/, /.*/],
-    ['cannot_send_receiver', 'cannot_send',
-        /^cannot send: no receiver with the same key answers$/, /.*/],
-    ['cannot_send_epoch', 'cannot_send',
-        /^cannot send: its epoch file could not be written$/, /.*/],
-    ['garbled', 'failsafe', /failsafe/, /garbled \(bytes, but no frames\)/],
-    ['stale', 'failsafe', /failsafe/, /stale \(frames that do not change\)/],
-    ['implausible', 'failsafe', /failsafe/, /implausible \(values that no transmitter sends\)/],
-    ['channels_missing', 'failsafe', /failsafe/, /channels missing \(channels that were there/],
-    ['no_key', 'failsafe', /failsafe/, /no key \(messages without a key\)/],
-    ['forged', 'failsafe', /failsafe/, /forged \(messages that nobody with the key has made\)/],
-    ['replayed', 'failsafe', /failsafe/,
-        /replayed \(messages of the key's holder that are not new\)/],
-    ['late', 'failsafe', /failsafe/, /late \(values that are too old when they come\)/],
+    ...CAUSES.map((cause) => [cause, 'failsafe', /^in failsafe$/,
+        new RegExp(`receiver: ${cause.replaceAll('_', ' ')} \\(as the daemon says\\) for 4.2 s`)]),
 ];
 
-test('each state and cause stands in the words of the log', { timeout }, async () => {
+test('each state and cause stands in the words of the daemon', { timeout }, async () => {
     await withPage({ at: '#/boat/live' }, async ({ page, board }) => {
         await waitLive(page);
         for (const [scene, state, sentence, reason] of WORDS) {
@@ -56,6 +47,15 @@ test('each state and cause stands in the words of the log', { timeout }, async (
         }
     });
 });
+
+test('channels of an input that no output can use yet are shown, not struck out', { timeout },
+    async () => {
+        await withPage({ board: (b) => { b.scenes.boat = 'unproved'; } }, async ({ page }) => {
+            await waitLive(page);
+            await page.locator('td.scale .bar.ignored').first().waitFor();
+            assert.equal(await page.locator('td.us s').count(), 0);
+        });
+    });
 
 test('failsafe is a pattern and a word, not only a colour', { timeout }, async () => {
     await withPage({ board: (b) => { b.scenes.boat = 'failsafe'; } }, async ({ page }) => {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "app/cli/wait_text.h"
+#include "app/state_text/wait_text.h"
 #include "tests/unit/pipelines/engine/engine_bench.h"
 
 /// What an output that is not in control says it waits for.
@@ -132,6 +132,34 @@ TEST(OutputWait, is_for_the_input_that_is_nearest_to_control) {
     EXPECT_EQ(awaited(bench, 301ms), "backup: good for 0.2 of 0.5 s");
 }
 
+/// The whole time of good frames still lies before the radio.
+TEST(OutputWait, is_not_for_an_input_without_a_good_frame_where_another_has_some) {
+    InputSettings radio = sbus_input();
+    radio.supervision.frame_lost_run = 2s;
+    Bench bench(list(std::move(radio), ibus_input()), list(sbus_output({0, 1}, proof_of(500ms))));
+    for (Duration when = 0ms; when < 300ms; when += 10ms) {
+        bench.sbus(0, at(when), us(1500), when >= 50ms, false);
+        bench.ibus(1, at(when + 1ms), us(1500));
+    }
+    EXPECT_EQ(awaited(bench, 300ms), "backup: good for 0.3 of 0.5 s");
+}
+
+TEST(OutputWait, is_not_for_another_node_where_that_does_not_matter) {
+    OutputSettings output = sbus_output({0}, proof_of(500ms));
+    output.yield_to_foreign_sender = false;
+    Bench bench(list(ibus_input()), list(std::move(output)),
+                {{.role = LineRole::force_failsafe, .outputs = {0}, .debounce = 0ms}});
+    LineLevels active = kNoLineActive;
+    active.set(0, true);
+    bench.engine().set_lines(active, at(0ms));
+    bench.ibus_run(0, at(1ms), at(600ms), us(1500));
+    bench.engine().set_lines(kNoLineActive, at(600ms));
+    for (int frame = 0; frame < 3; ++frame) {
+        bench.engine().output(0).foreign_frame_seen(at(610ms));
+    }
+    EXPECT_EQ(awaited(bench, 620ms), "0.0 of 0.5 s after failsafe was forced");
+}
+
 TEST(OutputWait, is_for_what_keeps_its_frames_from_leaving) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     bench.engine().output(0).set_device_present(false);
@@ -148,6 +176,32 @@ TEST(InputState, is_unproved_until_an_output_can_use_its_frames) {
     EXPECT_EQ(told_cause(bench, 1, 490ms), LinkCause::good) << "it feeds no output";
     bench.ibus_run(0, at(490ms), at(510ms), us(1500));
     EXPECT_EQ(told_cause(bench, 0, 510ms), LinkCause::good);
+}
+
+/// The output of 15 ms takes the frame of 80 ms at 150 ms; only at 165 ms it would be too old.
+TEST(InputState, is_good_while_an_output_is_under_its_control) {
+    OutputSettings output = sbus_output({0});
+    output.schedule.period = 15ms;
+    Bench bench(list(ibus_input()), list(std::move(output)));
+    bench.ibus_run(0, at(1ms), at(81ms), us(1500));
+    for (Duration when = 150ms; when < 165ms; when += 1ms) {
+        const LinkCause told = told_cause(bench, 0, when);
+        ASSERT_EQ(bench.engine().outputs()[0].stage(), OutputStage::control);
+        EXPECT_EQ(told, LinkCause::good) << when / 1ms;
+    }
+}
+
+/// A DBC output can send it as a signal.
+TEST(CauseOfAFrame, is_not_good_before_the_input_is_in_control) {
+    Bench bench(list(ibus_input()), list(sbus_output({0}, proof_of(500ms))));
+    const auto cause = [&bench](Duration when) {
+        bench.said(at(when));
+        return bench.engine().outputs()[0].latest().cause;
+    };
+    bench.ibus_run(0, at(1ms), at(400ms), us(1500));
+    EXPECT_EQ(cause(400ms), LinkCause::unproved);
+    bench.ibus_run(0, at(401ms), at(600ms), us(1500));
+    EXPECT_EQ(cause(600ms), LinkCause::good);
 }
 
 TEST(WaitWatch, tells_a_change_after_its_patience) {

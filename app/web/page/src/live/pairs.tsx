@@ -10,7 +10,8 @@ const inputNamed = (status: Status, name: string) =>
     status.inputs.find((one) => one.name === name);
 
 /** Causes with which frames still come. */
-const STILL_COMES = new Set(['radio_lost', 'stale', 'implausible', 'channels_missing', 'late']);
+const STILL_COMES = new Set(['radio_lost', 'stale', 'implausible', 'channels_missing', 'late',
+    'unproved']);
 
 function lookOfInput(input: Input | undefined): Look {
     if (!input || input.cause === 'never_seen') {

@@ -1,7 +1,7 @@
 // One line in words for each output, and what else needs attention.
 import { freshness, status } from '../model/store';
 import type { Output, Status } from '../model/status';
-import { outputText, whyText } from '../model/words';
+import { whyText } from '../model/words';
 import { Icon, type IconName } from '../parts/icons';
 import { attention } from './attention';
 
@@ -27,7 +27,7 @@ function Sentence({ output, status }: { output: Output; status: Status }) {
             <span class="name">{output.name}</span>
             <p class="said">
                 {old && <span class="before">Last known: </span>}
-                <span class="value">{waits}{outputText(output)}</span>
+                <span class="value">{waits}{output.text}</span>
             </p>
             <p class="why"><span class="value">{whyText(output, status.inputs)}</span></p>
         </li>
@@ -37,7 +37,7 @@ function Sentence({ output, status }: { output: Output; status: Status }) {
 /** Read out when a state changes; without times, which would be read again and again. */
 function spoken(now: Status): string {
     return freshness.value.level !== 'live' ? ''
-        : now.outputs.map((one) => `${one.name}: ${outputText(one)}`).join('; ');
+        : now.outputs.map((one) => `${one.name}: ${one.text}`).join('; ');
 }
 
 export function Sentences() {

@@ -29,7 +29,7 @@ let textShape = '';
 function shapeOf(news: Status): string {
     const inputs = news.inputs.map((one) => `${one.name},${one.state},${one.cause}`);
     const outputs = news.outputs.map((one) =>
-        `${one.name},${one.state},${one.input},${one.forced},${one.obstacle},${one.outvoted}`);
+        `${one.name},${one.state},${one.input},${one.text},${one.outvoted}`);
     const ports = news.ports.map((one) => `${one.present},${one.can?.state}`);
     return [...inputs, ...outputs, ...ports, news.trial].join(';');
 }

@@ -1,9 +1,6 @@
 // The status object of a running daemon, as docs/status.md describes it, and what the server says
 // about daemons. Only what the page reads.
 
-export type LinkCause =
-    | 'good' | 'never_seen' | 'wire_silent' | 'garbled' | 'radio_lost' | 'stale' | 'implausible'
-    | 'channels_missing' | 'no_key' | 'forged' | 'replayed' | 'late' | 'unproved';
 export type OutputStage = 'control' | 'hold' | 'failsafe' | 'silent' | 'cannot_send';
 
 export interface Distribution {
@@ -18,8 +15,8 @@ export interface Input {
     protocol: string;
     port: string;
     state: 'good' | 'frame_lost' | 'failsafe';
-    cause: LinkCause;
-    sign: string;
+    cause: string;
+    text: string;
     state_age_us: number | null;
     rate_hz: number;
     age_us: number | null;
@@ -35,12 +32,11 @@ export interface Output {
     port: string;
     inputs: string[];
     state: OutputStage;
-    obstacle: string | null;
+    text: string;
     waits_for: string | null;
     input: string | null;
     outvoted: string[];
     forced: boolean;
-    awaits_release: boolean;
     rate_hz: number;
     channels: (number | null)[];
     frame_lost: boolean;
@@ -50,9 +46,6 @@ export interface Output {
     failsafe_entries: number;
     lateness: Distribution;
     latency: Distribution;
-    /** Not in version 1 of the status; see API-WISHES.md. */
-    state_age_us?: number | null;
-    hold_us?: number | null;
 }
 
 export interface Can {

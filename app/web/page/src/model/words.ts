@@ -1,5 +1,5 @@
-// The words of the log and of `tribus monitor`, so that a person who reads both finds the same.
-import type { Input, LinkCause, Output } from './status';
+// Words around the daemon's own sentences, which the status has (`text`, `waits_for`).
+import type { Input, Output } from './status';
 
 const SECOND = 1e6;
 
@@ -23,81 +23,18 @@ export function duration(us: number): string {
 
 export const words = (name: string): string => name.replaceAll('_', ' ');
 
-const SIGNS: Record<string, string> = {
-    failsafe_flag: 'the receiver says failsafe',
-    value_rule: 'a failsafe_when rule says so',
-    frame_lost_run: 'only frames marked frame-lost',
-    frame_lost_ratio: 'too many frames marked frame-lost',
-};
-const SHOWN: Partial<Record<LinkCause, string>> = {
-    wire_silent: 'no bytes any more',
-    garbled: 'bytes, but no frames',
-    stale: 'frames that do not change',
-    implausible: 'values that no transmitter sends',
-    channels_missing: 'channels that were there are missing',
-    no_key: 'messages without a key',
-    forged: 'messages that nobody with the key has made',
-    replayed: "messages of the key's holder that are not new",
-    late: 'values that are too old when they come',
-    unproved: 'good frames that no output can use yet',
-};
-const OBSTACLES: Record<string, string> = {
-    device: 'its device is gone',
-    bus: 'the bus takes nothing',
-    busy: 'the port still has earlier frames',
-    receiver: 'no receiver with the same key answers',
-    epoch: 'its epoch file could not be written',
-};
-
-/** "wire silent (no bytes any more)" */
-export function causeText(cause: LinkCause, sign: string): string {
-    const shown = cause === 'radio_lost' ? SIGNS[sign] : SHOWN[cause];
-    return words(cause) + (shown ? ` (${shown})` : '');
-}
-
 /** "wire silent (no bytes any more) for 4.2 s" */
 export function inputText(input: Input): string {
     if (input.cause === 'good') {
         return input.state === 'frame_lost' ? 'good, newest frame marked frame-lost' : 'good';
     }
     const age = input.state_age_us;
-    return causeText(input.cause, input.sign) + (age === null ? '' : ` for ${duration(age)}`);
-}
-
-/** "under control of receiver" */
-export function outputText(output: Output): string {
-    switch (output.state) {
-        case 'control':
-            return output.input ? `under control of ${output.input}` : 'under control';
-        case 'hold':
-            return holdText(output);
-        case 'failsafe':
-        case 'silent':
-            return output.forced ? 'in failsafe, forced'
-                : output.awaits_release ? 'in failsafe until release_when is true'
-                : 'in failsafe';
-        case 'cannot_send':
-            return `cannot send: ${OBSTACLES[output.obstacle ?? ''] ?? 'nothing leaves'}`;
-        default:
-            // A newer daemon may have other states: its word is better than none.
-            return words(String(output.state));
-    }
-}
-
-/** Protocols whose frames carry the mark in every configuration. */
-const MARKS_FRAME_LOST = new Set(['sbus', 'can']);
-
-function holdText(output: Output): string {
-    const marked = MARKS_FRAME_LOST.has(output.protocol) ? ', marked frame-lost' : '';
-    return `holding the last values${marked}`;
+    return input.text + (age === null ? '' : ` for ${duration(age)}`);
 }
 
 /** What the output does with the wire meanwhile. */
 export function sendsText(output: Output): string {
     switch (output.state) {
-        case 'hold':
-            return output.hold_us && output.state_age_us != null
-                ? `${duration(output.state_age_us)} of ${duration(output.hold_us)}` : '';
         case 'failsafe':
             return 'it sends its presets';
         case 'silent':

@@ -10,8 +10,8 @@
 
 namespace tribus {
 
-/// What an output waits for, and how far that is: "receiver: good for 0.2 of 0.5 s". Empty if it is
-/// in control. `inputs`: names of all inputs, by index.
+/// Tells what an output waits for, and how far that is: "receiver: good for 0.2 of 0.5 s". Empty if
+/// it is in control. `inputs`: names of all inputs, by index.
 std::string wait_text(const OutputState& state, const OutputWait& wait,
                       std::span<const std::string> inputs);
 

@@ -1,4 +1,4 @@
-#include "app/cli/cause_text.h"
+#include "app/state_text/cause_text.h"
 
 #include <algorithm>
 #include <bit>
@@ -56,24 +56,6 @@ std::string_view how_it_shows(const LinkState& state) {
     return "";
 }
 
-std::string_view obstacle_text(SendObstacle obstacle) {
-    switch (obstacle) {
-        case SendObstacle::none:
-            break;
-        case SendObstacle::device:
-            return "its device is gone";
-        case SendObstacle::bus:
-            return "the bus takes nothing";
-        case SendObstacle::busy:
-            return "the port still has earlier frames";
-        case SendObstacle::receiver:
-            return "no receiver with the same key answers";
-        case SendObstacle::epoch:
-            return "its epoch file could not be written";
-    }
-    return "";
-}
-
 std::string text_without_hearing(const OutputState& state, std::span<const std::string> inputs) {
     switch (state.stage) {
         case OutputStage::failsafe:
@@ -85,7 +67,7 @@ std::string text_without_hearing(const OutputState& state, std::span<const std::
                        ? "holding the last values, marked frame-lost"
                        : "holding the last values, unmarked: its protocol has no frame-lost mark";
         case OutputStage::cannot_send:
-            return "cannot send: " + std::string(obstacle_text(state.obstacle));
+            return fmt::format("cannot send: {}", obstacle_text(state.obstacle).fault);
         case OutputStage::control:
             break;
     }
@@ -129,6 +111,27 @@ std::string_view output_state_word(OutputStage stage, bool sends) {
             break;
     }
     return sends ? "failsafe" : "silent";
+}
+
+ObstacleText obstacle_text(SendObstacle obstacle) {
+    switch (obstacle) {
+        case SendObstacle::none:
+            break;
+        case SendObstacle::device:
+            return {"its device is gone", "its device, which is gone"};
+        case SendObstacle::bus:
+            return {"the bus takes nothing", "the bus, which takes nothing"};
+        case SendObstacle::busy:
+            return {"the port still has earlier frames",
+                    "the port, which still has earlier frames"};
+        case SendObstacle::receiver:
+            return {"no receiver with the same key answers",
+                    "an answer of a receiver with the same key"};
+        case SendObstacle::epoch:
+            return {"its epoch file could not be written",
+                    "its epoch file, which could not be written"};
+    }
+    return {};
 }
 
 std::string output_text(const OutputState& state, std::span<const std::string> inputs) {

@@ -1,10 +1,8 @@
-#include "app/cli/wait_text.h"
-
-#include <string_view>
+#include "app/state_text/wait_text.h"
 
 #include <fmt/format.h>
 
-#include "app/cli/cause_text.h"
+#include "app/state_text/cause_text.h"
 #include "core/counted.h"
 
 namespace tribus {
@@ -62,25 +60,7 @@ std::string release_text(const OutputWait& wait) {
         wait.pulse ? fmt::format("at {} us", wait.pulse->microseconds()) : std::string("absent"));
 }
 
-std::string_view obstacle_words(SendObstacle obstacle) {
-    switch (obstacle) {
-        case SendObstacle::none:
-            break;
-        case SendObstacle::device:
-            return "its device, which is gone";
-        case SendObstacle::bus:
-            return "the bus, which takes nothing";
-        case SendObstacle::busy:
-            return "the port, which still has earlier frames";
-        case SendObstacle::receiver:
-            return "an answer of a receiver with the same key";
-        case SendObstacle::epoch:
-            return "its epoch file, which could not be written";
-    }
-    return "";
-}
-
-/// What an input lacks.
+/// Tells why the input that the output waits for gives no control.
 std::string lack_text(const OutputWait& wait) {
     switch (wait.awaited) {
         case Awaited::link:
@@ -107,7 +87,7 @@ std::string lack_text(const OutputWait& wait) {
 std::string wait_text(const OutputState& state, const OutputWait& wait,
                       std::span<const std::string> inputs) {
     if (state.stage == OutputStage::cannot_send) {
-        return std::string(obstacle_words(state.obstacle));
+        return std::string(obstacle_text(state.obstacle).awaited);
     }
     switch (wait.awaited) {
         case Awaited::nothing:

@@ -24,6 +24,14 @@ std::string as_word(std::string_view name);
 /// an output that sends nothing in failsafe.
 std::string_view output_state_word(OutputStage stage, bool sends);
 
+/// Why an output cannot send, and what it waits for then.
+struct ObstacleText {
+    std::string_view fault;
+    std::string_view awaited;
+};
+/// Both are empty for `SendObstacle::none`.
+ObstacleText obstacle_text(SendObstacle obstacle);
+
 /// The state of an output in words: "under control of backup", "in failsafe until release_when is
 /// true". `inputs`: names of all inputs, by index.
 std::string output_text(const OutputState& state, std::span<const std::string> inputs);
