@@ -21,7 +21,7 @@ enum class LinkCause : std::uint8_t {
     forged,            ///< messages that nobody with the key has made
     replayed,          ///< messages of the key's holder, but not new ones
     late,              ///< frames whose values are older than the timeout when they come
-    unproved,          ///< good frames, but no output can use them yet. Never sent on a bus
+    unproved,          ///< good frames, but no output can use them yet
 };
 inline constexpr std::size_t kLinkCauseCount = 13;
 

@@ -189,9 +189,10 @@ tl::expected<EpochFile::Content, std::string> EpochFile::read(SettingScope way) 
     return std::move(*content);
 }
 
-/// Where the clock went on since the file was written, all numbers before now may have been used,
-/// and none after: outputs send far less often than once a step, so their numbers do not get ahead
-/// of the clock. Else those that the file names, and a step shows the new clock.
+/// If the clock went on since the file was written, a run before this one may have used each number
+/// up to now, and none after: outputs send far less often than once a step, so their numbers do not
+/// get ahead of the clock. Otherwise it used the numbers that the file names, and a step ahead
+/// shows receivers the new clock.
 void EpochFile::begin_after(const Content& stored, SettingScope way) {
     if (way != SettingScope::output) {
         begin(stored.next);
@@ -200,7 +201,7 @@ void EpochFile::begin_after(const Content& stored, SettingScope way) {
     const std::uint64_t step = authenticated::clock_step(monotonic_now());
     run_ = clock_run();
     const std::uint64_t now = stored.zero + step;
-    // What is reserved is at most a block ahead: a clock that is further behind went back.
+    // A file reserves at most a block ahead: a clock that is further behind went back.
     const bool goes_on = !run_->name.empty() && run_->is_same(stored.run) && now < 2 * kMostFirst &&
                          now + blocks_of(way).block >= stored.next;
     const std::uint64_t first = goes_on ? now : stored.next + authenticated::kNewClockNumbers;

@@ -49,7 +49,7 @@ class EpochFile final : public NumberReservation {
     void look(const ClockRun& run = clock_run());
 
   private:
-    /// What a file says.
+    /// The numbers and the clock that a file names.
     struct Content {
         std::uint64_t next = 0;
         ClockRun run{};

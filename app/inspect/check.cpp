@@ -29,9 +29,9 @@ int check(const std::string& path, bool json) {
         }
         return kExitWrongUse;
     }
-    for (const Mistake& warning : warnings_about(*configuration)) {
-        print_error("{}:{}:{}: warning: {}\n", warning.file, warning.where.line,
-                    warning.where.column, warning.text);
+    for (Mistake& warning : warnings_about(*configuration)) {
+        warning.text = "warning: " + warning.text;
+        print_error("{}\n", without_control_characters(format_mistake(warning)));
     }
     fmt::print("{}", json ? effective_json(*configuration) : effective_toml(*configuration));
     return kExitFine;

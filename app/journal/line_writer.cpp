@@ -29,7 +29,7 @@ UniqueFd opened_again(int descriptor) {
                  : UniqueFd();
 }
 
-/// What is certain to fit into a pipe that has room.
+/// So many bytes fit into a pipe that has room at all.
 constexpr std::size_t kMostAtOnce = PIPE_BUF;
 
 }  // namespace

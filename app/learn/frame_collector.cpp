@@ -31,8 +31,10 @@ void FrameCollector::keep(const DecodedFrame& found, Instant at) {
 void FrameCollector::keep(const ChannelFrame& frame, Instant at) {
     // Growing would take twice the memory.
     frames_.reserve(kMostFrames);
-    if (!full()) {
+    if (frames_.size() < kMostFrames) {
         frames_.push_back({at, frame});
+    } else {
+        overflowed_ = true;
     }
 }
 

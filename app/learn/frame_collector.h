@@ -39,8 +39,8 @@ class FrameCollector {
 
     const std::vector<StudiedFrame>& frames() const { return frames_; }
     std::vector<StudiedFrame> take_frames() { return std::move(frames_); }
-    /// Whether further frames are left out.
-    bool full() const { return frames_.size() >= kMostFrames; }
+    /// Whether more frames came than it keeps.
+    bool overflowed() const { return overflowed_; }
 
   private:
     void look_for_pause(std::size_t count, Instant at);
@@ -54,6 +54,7 @@ class FrameCollector {
     LinePauses pauses_;
     Instant latest_read_{};
     std::vector<StudiedFrame> frames_;
+    bool overflowed_ = false;
 };
 
 }  // namespace tribus

@@ -103,7 +103,7 @@ tl::expected<LearnedFrames, std::string> frames_of_recording(const LearnOptions&
     FrameCollector collector(configuration.inputs[input]);
     LearnedFrames learned{.frames = {}, .times = *times};
     auto arrival = arrivals->next();
-    for (; arrival && *arrival != nullptr && !collector.full(); arrival = arrivals->next()) {
+    for (; arrival && *arrival != nullptr && !collector.overflowed(); arrival = arrivals->next()) {
         const Instant at = (*arrival)->at;
         if (const auto* frame = std::get_if<CanFrame>(&(*arrival)->what)) {
             collector.receive(*frame, at);
@@ -114,7 +114,7 @@ tl::expected<LearnedFrames, std::string> frames_of_recording(const LearnOptions&
     if (!arrival) {
         return Refused(arrival.error());
     }
-    if (collector.full()) {
+    if (collector.overflowed()) {
         return Refused(fmt::format(
             "{}: more than {} frames; keep the minutes around --off-at and --back-at only",
             options.recording, FrameCollector::kMostFrames));

@@ -52,7 +52,7 @@ class Watch {
         }
         return fine_;
     }
-    const FrameCollector& collector() const { return collector_; }
+    FrameCollector& collector() { return collector_; }
 
   private:
     /// Receives from the device; returns true if the person pressed Enter.
@@ -178,12 +178,13 @@ tl::expected<LearnedFrames, std::string> watch_with_a_person(const Configuration
         return tl::unexpected(fmt::format("{}: the device or the terminal is gone; nothing learned",
                                           configuration.inputs[input].port.device));
     }
-    if (watch.collector().full()) {
-        return tl::unexpected(
-            fmt::format("more than {} frames came, which takes too long; begin again",
-                        FrameCollector::kMostFrames));
+    if (watch.collector().overflowed()) {
+        return tl::unexpected(fmt::format(
+            "more than {} frames came, some 12 minutes of a usual receiver; begin again, "
+            "and let less time pass between the steps",
+            FrameCollector::kMostFrames));
     }
-    learned.frames = watch.collector().frames();
+    learned.frames = watch.collector().take_frames();
     return learned;
 }
 

@@ -15,12 +15,13 @@ constexpr std::size_t kStackBytes = std::size_t{256} * 1024;
 
 RecordingJob::Result RecordingJob::write() {
     if (prepare_) {
+        prepared_ = false;
         auto work = prepare_();
         if (!work) {
-            prepared_ = false;
             return tl::unexpected(work.error());
         }
         work_ = std::move(*work);
+        prepared_ = true;
         for (std::size_t i = 0; i < work_.rings.size(); ++i) {
             work_.order.ports[i].ring = &work_.rings[i];
         }
@@ -31,7 +32,7 @@ RecordingJob::Result RecordingJob::write() {
 void* RecordingJob::main(void* self) {
     auto& job = *static_cast<RecordingJob*>(self);
     ::pthread_setname_np(::pthread_self(), "tribus-recorder");
-    // What a crash left may be damaged, and ask for more memory than there is.
+    // A file that a crash left may be damaged, and ask for more memory than there is.
     try {
         job.result_ = job.write();
     } catch (const std::exception& error) {

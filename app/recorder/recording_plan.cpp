@@ -232,7 +232,7 @@ std::optional<RecordingPlan> plan_from_text(std::string_view text) {
     constexpr int kMostDepth = 4;
     constexpr std::size_t kMostValues = 100'000;
     std::size_t values = 0;
-    // What is left out takes no memory: a value needs many times that of its text.
+    // Values that are left out take no memory: a value needs many times that of its text.
     const auto fits = [&values](int depth, Json::parse_event_t /*event*/, Json& /*parsed*/) {
         return depth <= kMostDepth && ++values <= kMostValues;
     };

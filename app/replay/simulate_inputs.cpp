@@ -154,6 +154,9 @@ tl::expected<void, std::string> Arrivals::Recorded::judge() {
     if (recording.gap()) {
         return ended_with(gap_text(path_, *recording.gap()));
     }
+    if (recording.late_start()) {
+        return ended_with(late_start_text(path_, *recording.late_start()));
+    }
     rest_ = recording.rest();
     if (kind_ == RecordingKind::candump) {
         if (auto chosen = choose_interface(recording.interfaces()); !chosen) {

@@ -49,11 +49,14 @@ std::vector<NamedPort> ports_of(const Draft& draft) {
 
 void doubt_path(const PortConfig& port, Mistakes& warnings) {
     if (port.medium->place_is_path && !port.device.starts_with('/')) {
-        warnings.add(port.where,
-                     fmt::format("{} is {}, which counts from the folder in which the program is "
-                                 "started; write the whole path, such as {}",
-                                 in_quotes(port.medium->place.key), in_quotes(port.device),
-                                 in_quotes("/dev/" + port.device)));
+        warnings.add(
+            port.where,
+            fmt::format("{} is {}, which counts from the folder in which the program is "
+                        "started; write the whole path, such as {}",
+                        in_quotes(port.medium->place.key), in_quotes(port.device),
+                        in_quotes(port.device.starts_with("dev/")
+                                      ? "/" + port.device
+                                      : "/dev/" + port.device.substr(port.device.rfind('/') + 1))));
     }
 }
 

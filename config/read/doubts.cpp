@@ -16,13 +16,14 @@ namespace {
 
 constexpr std::string_view kEveryStick = "every position of a stick from 1000 to 2000 us";
 
-/// The share of the values of `reach`, in whole microseconds, that fulfil the rule.
+/// The share of the values of `reach`, in whole microseconds, that fulfil the rule. Protocols round
+/// the ends of the reach by less than one.
 enum class Share : std::uint8_t { none, some, all };
 
 Share fulfilled(const ValueRule& rule, ChannelReach reach) {
     bool any = false;
     bool all = true;
-    for (auto us = std::llround(reach.low); us <= std::llround(reach.high); ++us) {
+    for (auto us = std::llround(reach.low) - 1; us <= std::llround(reach.high) + 1; ++us) {
         const bool holds = rule.matches(Pulse::from_microseconds(us));
         any = any || holds;
         all = all && holds;
@@ -94,8 +95,11 @@ void doubt_rule(const ValueRule& rule, RuleUse use, std::string_view title, Chan
         warnings.add(
             where,
             fmt::format(
-                "{}: the channel gets no such value, since it goes from {} to {} us, so {}", title,
-                format_number(reach.low), format_number(reach.high),
+                "{}: the channel gets no such value, since it goes from {} to {} us{}, so {}",
+                title, format_number(reach.low), format_number(reach.high),
+                reach.low == kStickReach.low || reach.high == kStickReach.high
+                    ? " with the usual travel of a stick"
+                    : "",
                 use == RuleUse::release ? "control would never be given" : "it would never be on"));
     }
 }

@@ -25,7 +25,7 @@ struct ChannelReach {
     double low = 0;
     double high = 0;
 };
-/// The usual travel of a stick, from the lowest value that transmitters send to the highest.
+/// The usual travel of a stick. Some transmitters can be set to more.
 inline constexpr ChannelReach kStickReach{988, 2012};
 /// Full travel: every stick gets there.
 inline constexpr ChannelReach kFullTravel{1000, 2000};

@@ -97,7 +97,7 @@ class Engine {
     /// The same for some of the outputs and nodes.
     Instant end(const Leaving& leaving, Instant now);
 
-    /// What an output waits for at `now` while no input is in control.
+    /// Tells what an output waits for at `now` while no input is in control.
     OutputWait wait(std::size_t output, Instant now) const {
         return outputs_[output].wait(now, inputs_);
     }

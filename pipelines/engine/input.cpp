@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "core/utf8.h"
+
 namespace tribus {
 
 Input::Input(InputSettings settings, std::uint8_t index)
@@ -113,6 +115,10 @@ FaultText Input::fault() const {
                              ongoing_.state.sign == RadioLossSign::failsafe_flag);
     FaultText fault;
     fault.length = by_decoder ? decoder().write_fault(fault.text) : 0;
+    // A text that is cut may end within a character.
+    while (fault.length == fault.text.size() && !is_utf8(fault.view())) {
+        --fault.length;
+    }
     return fault;
 }
 

@@ -65,11 +65,13 @@ bool InputSelector::could_use(std::size_t input, Instant now, Instant until,
                               std::span<const Input> inputs, bool bridging) const {
     const auto found = std::ranges::find(settings_.inputs, input);
     if (found == settings_.inputs.end()) {
-        return true;
+        return false;
     }
     const Voter& voter = voters_[static_cast<std::size_t>(found - settings_.inputs.begin())];
     const LinkSupervisor& link = inputs[input].link();
-    return is_trusted(voter, link, now, bridging) && link.alive(until);
+    // Between two frames of the output, the latest selection counts.
+    return (bridging && voter.serves && link.alive(now)) ||
+           (is_trusted(voter, link, now, bridging) && link.alive(until));
 }
 
 bool InputSelector::take_only(Instant now, Instant until, const Input& input, bool bridging) {
@@ -358,7 +360,10 @@ OutputWait InputSelector::wait(Instant now, Instant until, std::span<const Input
     const auto distance = [](const OutputWait& wait) {
         const Duration left =
             wait.awaited == Awaited::run_time ? wait.needed - wait.so_far : Duration::zero();
-        const int rank = wait.awaited == Awaited::link ? 2 : wait.awaited == Awaited::votes ? 1 : 0;
+        const int rank = wait.awaited == Awaited::link         ? 3
+                         : wait.awaited == Awaited::good_frame ? 2
+                         : wait.awaited == Awaited::votes      ? 1
+                                                               : 0;
         return std::pair(rank, left);
     };
     std::optional<OutputWait> nearest;

@@ -96,9 +96,11 @@ OutputWait Output::wait(Instant now, std::span<const Input> inputs) const {
         return {.awaited = Awaited::line};
     }
     if (now < ongoing_.yield_until) {
-        const bool still_heard = now < later(ongoing_.foreign_seen, kForeignSenderMemory) &&
+        const bool still_heard = yield_to_foreign_sender_ &&
+                                 now < later(ongoing_.foreign_seen, kForeignSenderMemory) &&
                                  ongoing_.foreign_run == kForeignSenderFrames;
-        const Duration left = ongoing_.yield_until - now;
+        // A reload may have shortened `recover` meanwhile.
+        const Duration left = std::min(ongoing_.yield_until - now, failsafe_.recover);
         return still_heard ? OutputWait{.awaited = Awaited::other_node}
                            : OutputWait{.awaited = Awaited::after_force,
                                         .so_far = failsafe_.recover - left,
@@ -303,6 +305,9 @@ void Output::run(Instant now, std::span<const Input> inputs) {
     if (made && !selector_.inputs().empty()) {
         const std::size_t judged_input = selector_.current().value_or(selector_.inputs().front());
         frame.cause = inputs[judged_input].state().cause;
+        if (frame.cause == LinkCause::good && ongoing_.stage != OutputStage::control) {
+            frame.cause = LinkCause::unproved;
+        }
         if (!frame.has_first(kChannelCount)) {
             fill_absent(frame, now);
         }

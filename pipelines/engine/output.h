@@ -186,7 +186,7 @@ class Output {
     OutputState state(Instant now) const;
     /// What it waits for at `now` while no input is in control.
     OutputWait wait(Instant now, std::span<const Input> inputs) const;
-    /// Whether an input could control it at `now`, as far as the input itself is concerned. True
+    /// Whether an input could control it at `now`, as far as the input itself is concerned. False
     /// for an input of others.
     bool could_use(std::size_t input, Instant now, std::span<const Input> inputs) const;
     /// The latest frame that it made. A default frame before the first.

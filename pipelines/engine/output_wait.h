@@ -28,7 +28,7 @@ enum class Awaited : std::uint8_t {
     end,          ///< the program ends
 };
 
-/// What an output waits for, and how far that is.
+/// The thing that an output waits for, and how far that is.
 struct OutputWait {
     Awaited awaited = Awaited::nothing;
     /// Index of the input. Absent if `awaited` has nothing to do with one.

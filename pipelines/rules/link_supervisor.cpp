@@ -157,9 +157,9 @@ bool LinkSupervisor::has_needed(const ChannelFrame& frame) const {
     return (frame.absent() & ~good_.absent() & ~settings_.optional_channels) == 0;
 }
 
-/// A frame without any channel is never good.
+/// A frame without any channel is good only if all channels of the latest good one are optional.
 bool LinkSupervisor::channels_missing(const ChannelFrame& frame, Instant now) {
-    if (!frame.has_any()) {
+    if (!frame.has_any() && !(ever_good_ && has_needed(frame))) {
         fewer_ = {};
         return true;
     }

@@ -127,8 +127,9 @@ TEST_F(LogOutput, EndsNoneOfTheProgramsThatServe) {
     }
 }
 
-/// What prints results ends when nobody reads them: `head` leaves after a line. The input, i.Bus
-/// frames of 14 channels at 1500 us, never ends. `timeout` would end it with status 124.
+/// A command that prints results ends when nobody reads them: `head` leaves after a line. The
+/// input, i.Bus frames of 14 channels at 1500 us, never ends. `timeout` would end it with status
+/// 124.
 TEST(ResultsForNobody, EndACommandThatWouldPrintForEver) {
     const Ended result = run_in_shell(
         "channels=$(printf '\\334\\005%.0s' 1 2 3 4 5 6 7 8 9 10 11 12 13 14); "

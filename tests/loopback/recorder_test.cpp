@@ -189,8 +189,8 @@ TEST_F(Recorded, ADamagedRingStopsNoStart) {
     EXPECT_FALSE(fs::exists(runtime_.path() / "recorder-left"));
 }
 
-/// What a former run left is read beside the outputs: the log tells of the start before it tells
-/// what came of that.
+/// The plan of a former run is read beside the outputs: the log tells of the start before it tells
+/// what came of the plan.
 TEST_F(Recorded, AHugePlanThatWasLeftDelaysNoFrame) {
     for (const std::size_t megabytes : {15U, 50U}) {
         fs::create_directory(runtime_.path() / "recorder");

@@ -198,6 +198,14 @@ bool PlainSbusDecoder::step_locked() {
             skip(36);
             return true;
         }
+        if (state_ == State::expecting && judge(0) == Verdict::undecided) {
+            return false;
+        }
+        if (state_ == State::expecting && judge(0) == Verdict::no) {
+            skip(1);
+            state_ = State::unlocked;
+            return true;
+        }
         length_shown_ = true;
         state_ = State::locked;
         frame_ready_ = true;
@@ -345,19 +353,23 @@ std::optional<DecodedFrame> PlainSbusDecoder::next(std::span<const std::uint8_t>
 /// all that ever came, if it stands in its place, or if no frame began where one was expected.
 std::optional<DecodedFrame> PlainSbusDecoder::silence() {
     const std::size_t size = buffer_.size();
+    const std::uint64_t burst = buffer_.first_position() + size - burst_begin_;
     const bool wide = wide_burst();
+    // Bytes more than a frame may be the rest of 24 channels, until the line has shown its length.
+    const bool possible = length_shown_ || burst == kSbusFrameLength ||
+                          (burst == previous_burst_ && burst <= kSbusFrameLength + 3);
     const bool first_of_all =
         buffer_.first_position() == start_position_ && size == kSbusFrameLength;
     const bool in_step = state_ == State::locked || state_ == State::expecting;
     const bool in_place = in_step && size == kSbusFrameLength;
     const bool behind_noise =
         !in_step && !wide && (first_of_all || stray_bytes_) && size >= kSbusFrameLength;
-    if ((in_place || behind_noise) && well_formed(size - kSbusFrameLength)) {
+    if (possible && (in_place || behind_noise) && well_formed(size - kSbusFrameLength)) {
         lock_onto(size - kSbusFrameLength);
         return take_frame(Instant{});
     }
     const bool before_noise = state_ == State::expecting && !wide && size > kSbusFrameLength;
-    if (before_noise && well_formed(0) &&
+    if (possible && before_noise && well_formed(0) &&
         (!slots_follow(buffer_[kFooterAt]) || slots_follow(latest_[kFooterAt]))) {
         lock_onto(0);
         return take_frame(Instant{});
@@ -369,6 +381,7 @@ std::optional<DecodedFrame> PlainSbusDecoder::silence() {
     skip(size);
     stray_bytes_ = false;
     length_shown_ = length_shown_ && !wide;
+    previous_burst_ = burst == 0 ? previous_burst_ : burst;
     burst_begin_ = buffer_.first_position();
     state_ = length_shown_ ? State::locked : State::expecting;
     return std::nullopt;
@@ -382,6 +395,7 @@ void PlainSbusDecoder::reset() {
     state_ = State::unlocked;
     start_position_ = buffer_.first_position();
     burst_begin_ = start_position_;
+    previous_burst_ = 0;
 }
 
 std::optional<DecodedFrame> PlainSbusDecoder::finish() {

@@ -86,6 +86,7 @@ class PlainSbusDecoder {
     /// Frames have 25 bytes, as what followed one has shown; not the 36 of 24 channels.
     bool length_shown_ = false;
     std::uint64_t burst_begin_ = 0;
+    std::uint64_t previous_burst_ = 0;
     std::uint64_t start_position_ = 0;
     std::size_t slots_left_ = 0;
     std::array<std::uint8_t, kSbusFrameLength> latest_{};

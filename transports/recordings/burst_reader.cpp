@@ -223,7 +223,7 @@ BurstReader::Next BurstReader::judged(Next read) {
     if (cut) {
         rest_ = cut_line_text(read.error());
     }
-    return cut ? last_of_saleae() : read;
+    return cut ? pending_burst() : read;
 }
 
 BurstReader::Next BurstReader::next_raw() {
@@ -321,10 +321,10 @@ BurstReader::Next BurstReader::next_saleae() {
             return ended;
         }
     }
-    return last_of_saleae();
+    return pending_burst();
 }
 
-BurstReader::Next BurstReader::last_of_saleae() {
+BurstReader::Next BurstReader::pending_burst() {
     line_ = begun_.bytes.empty() ? line_ : begun_line_;
     Burst last = std::exchange(begun_, {});
     return last.bytes.empty() ? Next(std::nullopt) : Next(std::move(last));

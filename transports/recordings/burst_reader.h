@@ -38,9 +38,10 @@ class BurstReader {
     Next next_saleae();
     Next next_of_kind();
     bool next_line(recording_text::Line& line);
-    /// What an end of the lines, or a mistake in the latest one, means.
+    /// Takes an end of the lines, or a mistake in a last line that is cut, for the end of the file.
     Next judged(Next read);
-    Next last_of_saleae();
+    /// The burst that the lines so far have begun. Nothing if none is begun.
+    Next pending_burst();
 
     Pieces& content_;
     std::string file_;

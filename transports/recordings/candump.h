@@ -68,8 +68,6 @@ class CandumpFrames {
 
     /// The next frame, nothing at the end. Errors as above.
     tl::expected<std::optional<RecordedCanFrame>, std::string> next();
-    /// What is wrong with the log as a whole, once all lines are taken.
-    tl::expected<void, std::string> finish() const;
     LogFacts facts() const { return reader_.facts(); }
     /// The line of the latest frame.
     unsigned line() const { return line_; }

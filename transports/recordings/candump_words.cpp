@@ -183,13 +183,13 @@ tl::expected<CanFrame, Flaw> parse_shown(Tokens& tokens, const Token& id, const 
         return FlawFound({length.column, quoted(length.text) + " is not the length of a frame"});
     }
     Token word;
-    while (frame.length < bytes) {
-        const bool more = tokens.next(word);
-        frame.remote = more && frame.length == 0 && word.text == "remote";
-        if (frame.remote) {
-            frame.length = static_cast<std::uint8_t>(bytes);
-            return frame;
-        }
+    bool more = tokens.next(word);
+    frame.remote = more && word.text == "remote";
+    if (frame.remote) {
+        frame.length = static_cast<std::uint8_t>(bytes);
+        return frame;
+    }
+    for (; frame.length < bytes; more = tokens.next(word)) {
         const auto byte =
             more ? parse_number<std::uint8_t>(word.text, 16) : std::optional<std::uint8_t>();
         if (!byte || word.text.size() != 2) {

@@ -66,7 +66,7 @@ LogFacts RecordingInPieces::read(RecordingTaker& taker) {
         failed_ = std::move(burst.error());
     }
     rest_ = reader.rest();
-    gap_ = gaps.first();
+    gaps_ = gaps;
     return {};
 }
 
@@ -84,7 +84,7 @@ LogFacts RecordingInPieces::read_log(RecordingTaker& taker) {
         failed_ = std::move(frame.error());
     }
     rest_ = frames.rest();
-    gap_ = gaps.first();
+    gaps_ = gaps;
     return frames.facts();
 }
 

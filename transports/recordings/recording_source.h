@@ -76,8 +76,10 @@ class RecordingInPieces final : public RecordingSource {
     const std::vector<std::string>& interfaces() const { return interfaces_; }
     /// Why the rest of a content that was judged is not read, as `file:line:column: text`.
     const std::optional<std::string>& rest() const { return rest_; }
-    /// The first gap of more than an hour in a content that was judged.
-    const std::optional<TimeGap>& gap() const { return gap_; }
+    /// The first gap of more than an hour between two lines of a content that was judged.
+    const std::optional<TimeGap>& gap() const { return gaps_.first(); }
+    /// The same before its first line.
+    const std::optional<TimeGap>& late_start() const { return gaps_.late_start(); }
     /// Leaves out the frames of other interfaces.
     void select_interface(std::string name) { interface_ = std::move(name); }
 
@@ -94,7 +96,7 @@ class RecordingInPieces final : public RecordingSource {
     RecordingKind kind_;
     std::vector<std::string> interfaces_;
     std::optional<std::string> rest_;
-    std::optional<TimeGap> gap_;
+    GapWatch gaps_;
     /// Empty: all are read.
     std::string interface_;
     std::optional<std::string> failed_;

@@ -60,8 +60,10 @@ bool DifferenceWatch::probable() const {
 }
 
 void GapWatch::take(Duration at, unsigned line) {
-    if (!first_ && at - latest_ > kLongestGap) {
-        first_ = TimeGap{.line = line, .from = latest_, .to = at};
+    std::optional<TimeGap>& gap = latest_ ? first_ : late_start_;
+    const Duration before = latest_.value_or(Duration::zero());
+    if (!gap && at - before > kLongestGap) {
+        gap = TimeGap{.line = line, .from = before, .to = at};
     }
     latest_ = at;
 }
@@ -72,6 +74,14 @@ std::string gap_text(std::string_view file, const TimeGap& gap) {
                "the times jump by " + long_duration(gap.to - gap.from) +
                    " here, and all of that would be played; make two recordings of it, of the "
                    "lines above and from this one on")
+        .value();
+}
+
+std::string late_start_text(std::string_view file, const TimeGap& gap) {
+    return recording_text::mistake_at(file, gap.line, 1,
+                                      "the first line is " + long_duration(gap.to) +
+                                          " after the start of the recording, and all of that "
+                                          "would be played; subtract its time from each time")
         .value();
 }
 

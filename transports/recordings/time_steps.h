@@ -48,14 +48,21 @@ inline constexpr Duration kLongestGap = std::chrono::hours(1);
 class GapWatch {
   public:
     void take(Duration at, unsigned line);
+    /// Between two lines.
     const std::optional<TimeGap>& first() const { return first_; }
+    /// Before the first line.
+    const std::optional<TimeGap>& late_start() const { return late_start_; }
 
   private:
-    Duration latest_{};
+    std::optional<Duration> latest_;
     std::optional<TimeGap> first_;
+    std::optional<TimeGap> late_start_;
 };
 
 /// `file:line:1: text`, for who wants to play the recording.
 std::string gap_text(std::string_view file, const TimeGap& gap);
+/// The same of a gap before the first line, which is played where the time of a recording counts
+/// from its start.
+std::string late_start_text(std::string_view file, const TimeGap& gap);
 
 }  // namespace tribus

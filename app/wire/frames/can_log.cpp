@@ -106,7 +106,7 @@ class LogReader {
             take_frame(**read);
         }
     }
-    /// Where power was lost while the file was written.
+    /// A loss of power while the file is written leaves NUL bytes.
     void end_at_nul() {
         messages_ << recording_text::nul_text(source_.name, lines_ + 1, 1) << '\n';
     }

@@ -57,7 +57,8 @@ class CrsfDecoder final : public CrsfFrames {
     /// The latest channels, or the first statistics if there were no channels yet.
     std::optional<Instant> channels_at_;
     bool channels_since_statistics_ = false;
-    /// The latest value of each channel in frames of type 17, and its arrival.
+    /// The latest value of each channel in frames of type 17, and its arrival. Unknown once a later
+    /// frame of type 16 has the channel.
     struct SubsetChannel {
         Pulse pulse{};
         Instant received{};
@@ -72,6 +73,8 @@ class CrsfDecoder final : public CrsfFrames {
     Instant raw_received_ = Instant::min();
     /// The latest frame was one of type 16.
     bool raw_is_latest_ = false;
+    /// A frame of type 16 came after the latest one of type 17.
+    bool raw_since_subset_ = false;
     mutable std::array<std::uint16_t, 2> detail_values_{};
     mutable std::array<FrameDetail, 3> details_{};
 };

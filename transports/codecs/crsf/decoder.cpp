@@ -96,6 +96,7 @@ bool CrsfDecoder::read(std::span<const std::uint8_t> frame, ChannelFrame& channe
     const SbusLanes raw = unpack_channels(packed);
     raw_ = from_lanes(raw);
     raw_is_latest_ = true;
+    raw_since_subset_ = true;
     const Instant received = channels.received;
     raw_received_ = received;
     channels = kSixteenChannels;
@@ -117,6 +118,9 @@ bool CrsfDecoder::read_subset(std::span<const std::uint8_t> payload, ChannelFram
     const unsigned fineness = configuration >> 5U & 3U;
     const unsigned bits_a_channel = 10 + fineness;
     const std::int32_t step_eighths = 8 >> fineness;
+    if (std::exchange(raw_since_subset_, false)) {
+        std::ranges::fill(std::span(subset_).first<kSbusChannels>(), SubsetChannel{});
+    }
     std::size_t channel = configuration & kFirstChannel;
     std::uint32_t bits = 0;
     unsigned count = 0;
@@ -146,7 +150,7 @@ void CrsfDecoder::fill_subset(ChannelFrame& channels) const {
     for (std::size_t i = 0; i < kChannelCount; ++i) {
         const SubsetChannel& own = subset_[i];
         const bool in_whole = i < kSbusChannels && raw_received_ >= since;
-        if (own.known && own.received >= since && !(in_whole && raw_received_ > own.received)) {
+        if (own.known && own.received >= since) {
             channels.set(i, own.pulse);
         } else if (in_whole) {
             channels.set(i, scale_.decode(raw_[i]));

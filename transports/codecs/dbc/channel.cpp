@@ -147,8 +147,8 @@ std::size_t write_dbc_absence(const DbcChannel& channel, std::uint64_t bits, std
         return written(fmt::format_to_n(text.data(), text.size(), "{} is outside of [{}|{}]", value,
                                         (*channel.range)[0], (*channel.range)[1]));
     }
-    return written(
-        fmt::format_to_n(text.data(), text.size(), "its direction signals contradict each other"));
+    return written(fmt::format_to_n(
+        text.data(), text.size(), "its direction signals contradict each other or have no value"));
 }
 
 void write_dbc_channel(const DbcChannel& channel, std::optional<Pulse> pulse, bool failsafe,

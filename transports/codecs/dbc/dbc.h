@@ -101,6 +101,7 @@ class DbcDecoder final : public CanDecoder {
     void start_round_after_pause(Instant received);
     bool complete() const;
     bool overdue(const PartState& part, Instant now) const;
+    void forget_old_faults(std::size_t message, Instant now);
     void judge_fixed(const DbcPart& part, std::span<const std::uint8_t> data, PartState& state);
     void take_channels(const DbcPart& part, std::span<const std::uint8_t> data, PartState& state);
     ChannelFrame snapshot(Instant now);

@@ -97,6 +97,12 @@ void DbcDecoder::describe_parts() {
             parts_[i].longest_absence = *cycle * kMostMissedCycles * pages;
         }
     }
+    // Channels that may be absent hold up no others.
+    const bool others_come = std::ranges::any_of(
+        parts_, [](const PartState& part) { return part.awaited && !part.may_be_absent; });
+    for (PartState& part : parts_) {
+        part.awaited = part.awaited && !(part.may_be_absent && others_come);
+    }
 }
 
 bool DbcDecoder::uses_fd() const {
@@ -281,6 +287,17 @@ ChannelFrame DbcDecoder::snapshot(Instant now) {
     return snapshot;
 }
 
+/// A message whose frames are refused is at fault for that, not for the values that it had before.
+void DbcDecoder::forget_old_faults(std::size_t message, Instant now) {
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+        if (map_.parts[i].message == message && overdue(parts_[i], now)) {
+            parts_[i].without_value = nullptr;
+            parts_[i].wrong_fixed = nullptr;
+            absent_part_.reset();
+        }
+    }
+}
+
 std::optional<ChannelFrame> DbcDecoder::next(const CanFrame& frame, Instant received) {
     const auto match =
         std::ranges::find_if(wanted_, [&](const CanIdMatch& id) { return id.matches(frame); });
@@ -289,6 +306,7 @@ std::optional<ChannelFrame> DbcDecoder::next(const CanFrame& frame, Instant rece
     }
     const auto message = static_cast<std::size_t>(match - wanted_.begin());
     if (!valid(message, frame, received)) {
+        forget_old_faults(message, received);
         return std::nullopt;
     }
     const auto data = frame.bytes().first(map_.messages[message].length);

@@ -23,9 +23,17 @@ std::uint64_t raw_flag(DbcFlagMeaning meaning, const ChannelFrame& snapshot) {
             break;
     }
     // Signals of 3 bits have no room for the causes behind these.
-    return static_cast<std::uint64_t>(snapshot.cause <= LinkCause::channels_missing ? snapshot.cause
-                                      : snapshot.cause == LinkCause::late ? LinkCause::stale
-                                                                          : LinkCause::garbled);
+    switch (snapshot.cause) {
+        case LinkCause::no_key:
+        case LinkCause::forged:
+        case LinkCause::replayed:
+            return static_cast<std::uint64_t>(LinkCause::garbled);
+        case LinkCause::late:
+        case LinkCause::unproved:
+            return static_cast<std::uint64_t>(LinkCause::stale);
+        default:
+            return static_cast<std::uint64_t>(snapshot.cause);
+    }
 }
 
 }  // namespace

@@ -56,19 +56,19 @@ std::size_t DbcDecoder::write_fault(std::span<char> text) const {
         const std::string_view message = map_.messages[map_.parts[i].message].name;
         if (part.without_value != nullptr) {
             const std::size_t head =
-                write(text, "message {}, signal {}: ", message, part.without_value->signal);
+                write(text, "message {:.40}, signal {:.40}: ", message, part.without_value->signal);
             return head + write_dbc_absence(*part.without_value, part.bits, text.subspan(head));
         }
         if (part.wrong_fixed != nullptr) {
             const DbcFixed& fixed = *part.wrong_fixed;
-            return write(text, "message {}, signal {}: {} came, but it is fixed to {}", message,
-                         fixed.signal, fixed.layout.physical(part.bits),
+            return write(text, "message {:.40}, signal {:.40}: {} came, but it is fixed to {}",
+                         message, fixed.signal, fixed.layout.physical(part.bits),
                          fixed.layout.physical(fixed.bits));
         }
     }
     if (absent_part_) {
         using Milliseconds = std::chrono::duration<double, std::milli>;
-        return write(text, "message {}: it has not come for {} ms",
+        return write(text, "message {:.40}: it has not come for {} ms",
                      map_.messages[map_.parts[*absent_part_].message].name,
                      Milliseconds(parts_[*absent_part_].longest_absence).count());
     }
@@ -76,8 +76,8 @@ std::size_t DbcDecoder::write_fault(std::span<char> text) const {
         if (messages_[i].wrong_length) {
             const LastSignal last = last_signal(map_, i);
             return write(text,
-                         "message {}: a frame has {} bytes, but the DBC file gives it {}; signal "
-                         "{} needs byte {}",
+                         "message {:.40}: a frame has {} bytes, but the DBC file gives it {}; "
+                         "signal {:.40} needs byte {}",
                          map_.messages[i].name, *messages_[i].wrong_length, map_.messages[i].length,
                          last.name, last.needs);
         }

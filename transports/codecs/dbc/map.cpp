@@ -186,7 +186,7 @@ bool DbcMap::signals_failsafe() const {
     return flagged || coded;
 }
 
-bool DbcMap::signals_failsafe(std::size_t message) const {
+bool DbcMap::message_signals_failsafe(std::size_t message) const {
     return std::ranges::all_of(parts, [message](const DbcPart& part) {
         return part.message != message || says_failsafe(part);
     });

@@ -151,7 +151,7 @@ struct DbcMap {
     /// Whether a frame can tell the receiver not to use the values.
     bool signals_failsafe() const;
     /// Whether the frames of this message can tell it of their own channels.
-    bool signals_failsafe(std::size_t message) const;
+    bool message_signals_failsafe(std::size_t message) const;
     /// Whether a frame carries a channel or a flag.
     bool needs_channels() const;
 };

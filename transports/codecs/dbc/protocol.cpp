@@ -60,8 +60,11 @@ std::vector<SettingMistake> check_dbc(const SettingValues& settings, SettingScop
 
 std::vector<SettingMistake> warnings_of_map(const DbcMap& map) {
     std::vector<SettingMistake> warnings;
-    for (std::size_t i = 0; i < map.messages.size() && map.signals_failsafe(); ++i) {
-        if (!map.signals_failsafe(i)) {
+    if (!map.signals_failsafe()) {
+        return warnings;
+    }
+    for (std::size_t i = 0; i < map.messages.size(); ++i) {
+        if (!map.message_signals_failsafe(i)) {
             warnings.push_back(
                 {{"signals", map.messages[i].name},
                  "its frames cannot say failsafe, although other messages of this output can: "

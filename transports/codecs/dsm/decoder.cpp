@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <utility>
 
 #include "transports/codecs/big_endian.h"
 #include "transports/codecs/dsm/dsm.h"
@@ -102,7 +103,9 @@ DsmDecoder::Step DsmDecoder::step(Instant received, DecodedFrame& frame) {
     }
     bool counts = false;
     if (buffer_.any_damaged() && buffer_.damaged(0, kDsmFrameBytes)) {
-        needs_pause_ = false;
+        if (std::exchange(needs_pause_, false)) {
+            break_row();
+        }
         skipped_bytes_ += kDsmFrameBytes;
     } else if (needs_pause_ && waits_for_pause(received)) {
         return Step::wait;

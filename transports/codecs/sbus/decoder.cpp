@@ -44,7 +44,7 @@ std::size_t SbusDecoder::after_slots(std::size_t start) const {
     return position;
 }
 
-inline SbusDecoder::Judgement SbusDecoder::judge(std::size_t start) const {
+SbusDecoder::Judgement SbusDecoder::judge(std::size_t start) const {
     const std::size_t size = buffer_.size();
     const auto no_header = [&](std::size_t position) {
         return position < size && (buffer_[position] != kHeader || buffer_.damaged(position));

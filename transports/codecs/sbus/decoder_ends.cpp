@@ -12,7 +12,8 @@ namespace tribus {
 
 using namespace sbus_wire;
 
-/// A frame stands at the front, if these are not 24 channels.
+/// A frame stands at the front, if these are not 24 channels. A second one behind it proves it;
+/// without that, only the pause can.
 SbusDecoder::Step SbusDecoder::step_expecting() {
     if (!buffer_.see(kSbus24FrameLength + 1)) {
         return Step::wait;
@@ -21,9 +22,27 @@ SbusDecoder::Step SbusDecoder::step_expecting() {
         skip(kSbus24FrameLength);
         return Step::again;
     }
+    const Judgement here = judge(0);
+    if (here.verdict == Verdict::undecided) {
+        return buffer_.see(here.wanted) ? Step::again : Step::wait;
+    }
+    if (here.verdict == Verdict::no) {
+        skip(1);
+        state_ = State::unlocked;
+        return Step::again;
+    }
     state_ = State::locked;
     length_shown_ = true;
     return Step::frame;
+}
+
+/// Whether a burst of so many bytes may be a frame and stray bytes. Before the line has shown the
+/// length of its frames, it may be a frame of 24 channels that lost some: never twice the same
+/// number.
+bool SbusDecoder::may_be_frame_and_stray_bytes(std::size_t burst) const {
+    constexpr std::size_t kMostStrayBytes = 3;
+    return length_shown_ || burst == kSbusFrameLength ||
+           (burst == previous_burst_ && burst <= kSbusFrameLength + kMostStrayBytes);
 }
 
 /// Whether the bytes before this pause are whole frames of 24 channels: one, or some that came at
@@ -34,7 +53,7 @@ bool SbusDecoder::wide_burst_ends() const {
     if (size < 2 || buffer_[size - 1] != 0 || !flags_allowed(buffer_[size - 2])) {
         return false;
     }
-    const std::uint64_t burst = buffer_.first_position() + size - burst_begin_;
+    const std::size_t burst = burst_size();
     return burst <= kMostAtOnce * kSbus24FrameLength && burst % kSbus24FrameLength == 0;
 }
 
@@ -43,15 +62,17 @@ bool SbusDecoder::wide_burst_ends() const {
 bool SbusDecoder::silence(DecodedFrame& frame) {
     buffer_.open({});
     const std::size_t size = buffer_.size();
+    const std::size_t burst = burst_size();
+    const bool possible = may_be_frame_and_stray_bytes(burst);
     const bool wide = wide_burst_ends();
     const bool alone =
         stray_bytes_ || (buffer_.first_position() == start_position_ && size == kSbusFrameLength);
     // A frame that waits for its proof; its slots may come after the pause.
-    const bool in_place = in_step() && size == kSbusFrameLength && last_frame_at(0);
-    // What stands between it and the pause is no matter, but if it is the rest of 24 channels.
-    const bool first =
-        state_ == State::expecting && !wide && size > kSbusFrameLength && frame_in_front();
-    const bool last = !in_step() && !wide && alone && size >= kSbusFrameLength &&
+    const bool in_place = possible && in_step() && size == kSbusFrameLength && last_frame_at(0);
+    // The bytes between it and the pause do not matter, unless they are the rest of 24 channels.
+    const bool first = possible && state_ == State::expecting && !wide && size > kSbusFrameLength &&
+                       frame_in_front();
+    const bool last = possible && !in_step() && !wide && alone && size >= kSbusFrameLength &&
                       last_frame_at(size - kSbusFrameLength);
     const bool whole = in_place || first || last;
     if (whole) {
@@ -67,6 +88,7 @@ bool SbusDecoder::silence(DecodedFrame& frame) {
         length_shown_ = length_shown_ && !wide;
         state_ = length_shown_ ? State::locked : State::expecting;
         stray_bytes_ = false;
+        previous_burst_ = burst == 0 ? previous_burst_ : burst;
         burst_begin_ = buffer_.first_position();
     }
     buffer_.close();
@@ -83,6 +105,7 @@ void SbusDecoder::reset() {
     start_position_ = buffer_.first_position();
     length_shown_ = false;
     burst_begin_ = start_position_;
+    previous_burst_ = 0;
 }
 
 std::optional<DecodedFrame> SbusDecoder::finish() {

@@ -45,7 +45,8 @@ void emit_sbus(const SbusFrame& frame, std::span<std::uint8_t, kSbusFrameLength>
 ///
 /// FrSky's frames of 24 channels have 36 bytes, and channel 17 in the place of the flags. Until a
 /// frame has shown that the line has others, and again after 36 such bytes between two pauses, a
-/// frame waits for the pause behind it, or the 37th byte, so that none of 36 is read as one of 25.
+/// frame needs a second one behind it, or pauses that leave just its bytes between them (or twice
+/// the same few bytes more), so that none of 36 is read as one of 25, even if it lost bytes.
 ///
 /// A pause locks the decoder: the next byte is expected to begin a frame. So bytes between a frame
 /// and the next pause do no harm, and bytes after a pause never complete bytes before it.
@@ -114,6 +115,11 @@ class SbusDecoder final : public ByteDecoder {
     bool well_formed(std::size_t start) const;
     bool only_damaged(std::size_t start) const;
     bool wide_burst_ends() const;
+    bool may_be_frame_and_stray_bytes(std::size_t burst) const;
+    /// Number of bytes since the latest pause.
+    std::size_t burst_size() const {
+        return static_cast<std::size_t>(buffer_.first_position() + buffer_.size() - burst_begin_);
+    }
     bool in_step() const { return state_ == State::locked || state_ == State::expecting; }
     bool footer_expected(std::uint8_t footer) const;
     bool frame_in_front() const;
@@ -147,10 +153,12 @@ class SbusDecoder final : public ByteDecoder {
     /// The bytes in the place of a frame did not begin like one. They count as a bad frame only if
     /// no pause follows, and do not belong to a frame that ends with that pause.
     bool stray_bytes_ = false;
-    /// A frame came, and no burst of 24 channels since then.
+    /// A frame of 16 channels came, and none of 24 since then.
     bool length_shown_ = false;
     /// Position of the first byte behind the latest pause.
     std::uint64_t burst_begin_ = 0;
+    /// Number of bytes between the two latest pauses that had some between them.
+    std::size_t previous_burst_ = 0;
     /// Position of the first byte of the stream, or of the first one after a reset.
     std::uint64_t start_position_ = 0;
     std::size_t slots_left_ = 0;

@@ -3,6 +3,7 @@
 #include <array>
 #include <filesystem>
 
+#include "transports/links/device_path.h"
 #include "transports/links/evdev/evdev_link.h"
 #include "transports/links/serial/serial_medium.h"
 
@@ -36,6 +37,7 @@ const Medium kEvdevMedium{
               .help = "Input device, best by a stable name under /dev/input/by-id",
               .example = "\"/dev/input/by-id/usb-pad-event-joystick\""},
     .place_absent = "required on an input device",
+    .place_is_path = true,
     .settings = kEvdevSettings,
     .has_datagrams = true,
     .users = Users::one,
@@ -45,6 +47,7 @@ const Medium kEvdevMedium{
                             "button, if it has one",
                 .doctor = "looks at it"},
     .is_missing = is_absent,
+    .is_same = is_same_device,
     .open =
         [](const std::string& device, const LinkUse& use) {
             return as_link(EvdevLink::open(device, use.settings.get_or("grab", true)));

@@ -4,9 +4,7 @@
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
 
-#include <filesystem>
-#include <system_error>
-
+#include "transports/links/device_path.h"
 #include "transports/links/serial/serial_port.h"
 
 namespace tribus {
@@ -33,14 +31,6 @@ std::string refusal(const std::string& device) {
                          : std::string(other) + "; give a serial device, such as /dev/ttyUSB0";
 }
 
-/// A device may have several names, such as those in /dev/serial/by-id.
-bool is_same(const std::string& a, const std::string& b) {
-    std::error_code missing;
-    return std::filesystem::path(a).lexically_normal() ==
-               std::filesystem::path(b).lexically_normal() ||
-           std::filesystem::equivalent(a, b, missing);
-}
-
 }  // namespace
 
 const Medium kSerialMedium{
@@ -57,7 +47,7 @@ const Medium kSerialMedium{
                 .counts = "byte",
                 .doctor = "listens there once this program is stopped"},
     .is_missing = SerialPort::is_missing,
-    .is_same = is_same,
+    .is_same = is_same_device,
     .refusal = refusal,
     .open = [](const std::string& device,
                const LinkUse& use) { return as_link(SerialPort::open(device, use.line)); },

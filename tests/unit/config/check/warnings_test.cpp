@@ -52,13 +52,13 @@ constexpr Spoilt kRules[]{
     {"release_below_the_least_value", 10,
      "[pipeline.main.failsafe]\nrelease_when = { channel = 3, below = 900 }",
      "t.toml:11:16: \"release_when\": the channel gets no such value, since it goes from 988 to "
-     "2012 us, so control would never be given"},
+     "2012 us with the usual travel of a stick, so control would never be given"},
     {"release_below_the_least_value_of_the_map", 10,
      "[pipeline.main.channels]\n3 = { from = 3, min = 1100 }\n"
      "[pipeline.main.failsafe]\naction = \"silence\"\n"
      "release_when = { channel = 3, below = 1050 }",
      "t.toml:14:16: \"release_when\": the channel gets no such value, since it goes from 1100 to "
-     "2012 us, so control would never be given"},
+     "2012 us with the usual travel of a stick, so control would never be given"},
     {"release_at_every_position", 10,
      "[pipeline.main.failsafe]\nrelease_when = { channel = 3, between = [900, 2100] }",
      "t.toml:11:16: \"release_when\": every value that the channel can have releases control, so "
@@ -68,7 +68,7 @@ constexpr Spoilt kRules[]{
      "it would always be on; give a narrower range"},
     {"switch_that_is_never_on", 10, "[pipeline.main.channels]\n5 = { from = 5, above = 2100 }",
      "t.toml:11:5: this switch: the channel gets no such value, since it goes from 988 to 2012 "
-     "us, so it would never be on"},
+     "us with the usual travel of a stick, so it would never be on"},
 };
 INSTANTIATE_TEST_SUITE_P(Rules, Doubtful, ::testing::ValuesIn(kRules), name_of);
 
@@ -101,6 +101,9 @@ constexpr Spoilt kPlaces[]{
     {"device_without_a_leading_slash", 3, "device = \"ttyA\"",
      "t.toml:3:10: \"device\" is \"ttyA\", which counts from the folder in which the program is "
      "started; write the whole path, such as \"/dev/ttyA\""},
+    {"device_that_lacks_only_the_slash", 3, "device = \"dev/ttyA\"",
+     "t.toml:3:10: \"device\" is \"dev/ttyA\", which counts from the folder in which the program "
+     "is started; write the whole path, such as \"/dev/ttyA\""},
     {"one_port_by_two_paths", 6, "device = \"/dev/./ttyA\"",
      "t.toml:6:10: device \"/dev/./ttyA\" is the port that [input.receiver] in line 3 names "
      "\"/dev/ttyA\", and only one of the two can open it; give both the same name"},
@@ -129,6 +132,44 @@ TEST(Warnings, AreNoneOfAnUsualConfiguration) {
                   "failsafe_when = [{ channel = 3, below = 950 }, { channel = 3, between = [985, "
                   "995] }]")),
               Lines{});
+}
+
+TEST(Warnings, AreAboutAnInputDeviceWithoutALeadingSlash) {
+    const Lines lines = warnings_in(
+        "[input.pad]\nprotocol = \"gamepad\"\ndevice = \"dev/input/event3\"\n"
+        "[output.servos]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyB\"\n"
+        "[pipeline.main]\nfrom = \"pad\"\nto = \"servos\"\n");
+    ASSERT_EQ(lines.size(), 1U);
+    EXPECT_NE(lines[0].find("such as \"/dev/input/event3\""), std::string::npos) << lines[0];
+}
+
+/// SBUS sends the lower end of a stick as 987.5 us, the upper one as 2011.5 us.
+TEST(Warnings, AreNoneOfARuleAtTheEndOfAStick) {
+    EXPECT_EQ(warnings_in(main_job_with(10,
+                                        "[pipeline.main.failsafe]\nrelease_when = { channel = 3, "
+                                        "below = 988 }")),
+              Lines{});
+}
+
+TEST(Warnings, SayHowManyMoreThereAre) {
+    std::string text;
+    for (int output = 0; output < 7; ++output) {
+        const std::string n = std::to_string(output);
+        text += "[input.i" + n + "]\nprotocol = \"ibus\"\ndevice = \"/dev/ttyI" + n +
+                "\"\n[output.o" + n + "]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyO" + n +
+                "\"\n[pipeline.p" + n + "]\nfrom = \"i" + n + "\"\nto = \"o" + n +
+                "\"\n[pipeline.p" + n + ".channels]\n";
+        for (int channel = 1; channel <= 14; ++channel) {
+            const std::string c = std::to_string(channel);
+            text += c + " = { from = " + c + ", min = 900, max = 2100, slew = \"1us/s\" }\n";
+        }
+    }
+    Lines lines = warnings_in(text +
+                              "[pipeline.p0.failsafe]\nslew = \"1us/s\"\n"
+                              "[pipeline.p1.failsafe]\nslew = \"1us/s\"\n"
+                              "[pipeline.p2.failsafe]\nslew = \"1us/s\"\n");
+    ASSERT_EQ(lines.size(), 101U);
+    EXPECT_EQ(lines.back(), "t.toml: and 1 more");
 }
 
 std::string udp_both_ways(std::string_view heard, std::string_view sent) {

@@ -89,6 +89,14 @@ TEST(MissingChannels, that_are_optional_are_no_loss_however_they_come_and_go) {
     }
 }
 
+/// A box of buttons: all of its signals are optional.
+TEST(MissingChannels, that_are_all_optional_are_no_loss_together) {
+    Link link({.optional_channels = (1U << kChannelCount) - 1});
+    link.moving(70ms).same(5s, only_the_first(0));
+    EXPECT_EQ(link.cause(5s), LinkCause::good);
+    EXPECT_FALSE(link.supervisor().control().has_any());
+}
+
 TEST(MissingChannels, that_are_not_optional_are_a_loss_beside_those_that_are) {
     Link link({.fewer_channels_after = 500ms, .optional_channels = 1U << 7U});
     link.moving(70ms).frames(490ms, [](std::int64_t n) {

@@ -59,7 +59,7 @@ TEST(CutRecording, OfAnAnalyserIsReadUpToTheRowThatIsCut) {
     EXPECT_TRUE(recording.rest.has_value());
 }
 
-/// Whether it is cut or mistyped, nothing is lost by saying so.
+/// It may be mistyped: nothing is lost by saying so.
 TEST(CutRecording, WithNothingAboveTheCutIsAMistake) {
     EXPECT_EQ(mistake_in("20 4").substr(0, 13), "f:1:4: \"4\" is");
     EXPECT_EQ(mistake_in("(1.0) can0 304#CB0").substr(0, 8), "f:1:18: ");
@@ -156,11 +156,17 @@ TEST(TimeGaps, OfMoreThanAnHourHaveTheirLine) {
     EXPECT_FALSE(gap_in("# t_us  bytes\n0 20\n3600000000 20\n"));
 }
 
-TEST(TimeGaps, InFrontOfTheFirstBurstCount) {
-    const auto gap = gap_in("# t_us  bytes\n90000000000 20\n");
-    ASSERT_TRUE(gap);
-    EXPECT_EQ(gap->line, 2U);
-    EXPECT_EQ(gap->to, 25h);
+/// `replay` begins with the first burst, `simulate` with the start of the recording.
+TEST(TimeGaps, InFrontOfTheFirstBurstAreKeptApart) {
+    constexpr std::string_view kLate = "# t_us  bytes\n90000000000 20\n90000007000 20\n";
+    OnePiece piece(kLate);
+    RecordingInPieces recording(piece, "f", detect_recording_kind(kLate, "f").value());
+    EXPECT_TRUE(recording.judge());
+    EXPECT_FALSE(recording.gap());
+    ASSERT_TRUE(recording.late_start());
+    EXPECT_EQ(late_start_text("f", *recording.late_start()),
+              "f:2:1: the first line is 25.0 hours after the start of the recording, and all of "
+              "that would be played; subtract its time from each time");
 }
 
 }  // namespace

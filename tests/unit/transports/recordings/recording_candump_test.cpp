@@ -185,8 +185,9 @@ TEST(CandumpRecording, ScreenFormIsReadWithItsTimes) {
         " (1436509052.249913)  can0  123   [8]  11 22 33 44 55 66 77 88   '.\"3DUfw.'\n"
         " (1436509052.250013)  can0  123  [12]  00 01 02 03 04 05 06 07 08 09 0A 0B\n"
         " (1436509052.250113)  can0  123   [4]  remote request\n"
+        " (1436509052.250113)  can0  080   [0]  remote request\n"
         " (1436509052.250213)  can0  20000004   [8]  00 08 00 00 00 00 00 00   ERRORFRAME\n");
-    ASSERT_EQ(recording.can_frames.size(), 5U);
+    ASSERT_EQ(recording.can_frames.size(), 6U);
     EXPECT_EQ(recording.can_frames[0].frame, frame_of("123#1122"));
     EXPECT_EQ(recording.can_frames[0].interface, "can0");
     EXPECT_EQ(recording.can_frames[1].frame, frame_of("12345678#"));
@@ -194,6 +195,7 @@ TEST(CandumpRecording, ScreenFormIsReadWithItsTimes) {
     EXPECT_EQ(recording.can_frames[2].frame, frame_of("123#1122334455667788"));
     EXPECT_EQ(recording.can_frames[3].frame, frame_of("123##0000102030405060708090A0B"));
     EXPECT_EQ(recording.can_frames[4].frame, frame_of("123#R4"));
+    EXPECT_EQ(recording.can_frames[5].frame, frame_of("080#R"));
     EXPECT_EQ(recording.log.error_frames, 1U);
 }
 

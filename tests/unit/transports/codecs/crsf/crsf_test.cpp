@@ -217,6 +217,18 @@ TEST(CrsfDecoder, ASubsetIsFilledFromTheNewestFrameOfEitherType) {
     EXPECT_EQ(pulses_of(*line.hear(second, 151ms)), (std::vector<double>{1500, 1500}));
 }
 
+/// All of them came with one read.
+TEST(CrsfDecoder, ASubsetIsFilledInTheOrderOfTheFramesNotByTheirTime) {
+    const Bytes first = plain_crsf(0xC8, 0x17, {0x00, 0x00, 0x02});   // channel 1: 1500 us
+    const Bytes second = plain_crsf(0xC8, 0x17, {0x01, 0x00, 0x02});  // channel 2: 1500 us
+    Line line;
+    line.hear(first, 0ms);
+    line.hear(channels_of(192), 0ms);
+    EXPECT_EQ(line.hear(second, 0ms)->channel(0)->microseconds(), 1000);
+    line.hear(first, 0ms);
+    EXPECT_EQ(line.hear(second, 0ms)->channel(0)->microseconds(), 1500);
+}
+
 TEST(CrsfDecoder, ChannelsCarryTheLinkQualityOfStatisticsForASecond) {
     Line line;
     EXPECT_EQ(line.hear(channels_of(992), 0ms)->link_quality, kNoLinkQuality);

@@ -445,8 +445,8 @@ TEST(DbcMap, TellsWhichOfItsMessagesCannotSayFailsafe) {
     const DbcMap map =
         map_of(R"({"Command": {"Speed": 1, "Minus": {"flag": "failsafe"}}, "Wide": {"Value": 2}})");
     EXPECT_TRUE(map.signals_failsafe());
-    EXPECT_TRUE(map.signals_failsafe(0));
-    EXPECT_FALSE(map.signals_failsafe(1));
+    EXPECT_TRUE(map.message_signals_failsafe(0));
+    EXPECT_FALSE(map.message_signals_failsafe(1));
 }
 
 }  // namespace

@@ -165,6 +165,20 @@ TEST(DsmDecoder, AFrameThatWaitsForItsPauseIsNoneIfMoreBytesFollow) {
     EXPECT_TRUE(line.pause());
 }
 
+/// A damaged frame stands between the pause and it.
+TEST(DsmDecoder, NoFrameWaitsForItsPauseBehindADamagedOne) {
+    PausedLine line;
+    for (int i = 0; i < 4; ++i) {
+        line.hear(i % 2 == 0 ? kPhaseA : kPhaseB);
+    }
+    line.hear(Bytes{0x00});
+    const Bytes damaged = from_hex(kPhaseA);
+    EXPECT_FALSE(line.hear(Bytes(damaged.begin(), damaged.end() - 1)));
+    line.decoder().damaged_byte();
+    EXPECT_TRUE(feed(line.decoder(), from_hex(kPhaseB), kOneRead, line.now()).empty());
+    EXPECT_FALSE(line.pause());
+}
+
 TEST(DsmDecoder, NoFrameWaitsForItsPauseAfterALongerSilence) {
     PausedLine line;
     for (int i = 0; i < 4; ++i) {

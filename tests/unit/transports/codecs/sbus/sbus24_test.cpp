@@ -102,6 +102,39 @@ TEST(Sbus24, IsNeverReadAsAFrameOf16WhereverTheReadingBegins) {
     }
 }
 
+/// No pulses: FrSky's receivers send zeros, so flags and footer of 16 stand wherever the frame is
+/// cut.
+TEST(Sbus24, IsNeverReadAsAFrameOf16WhereTheLineLosesBytes) {
+    const auto cut = [](std::size_t at, std::size_t lost) {
+        Bytes bytes = frame_of({}, 0x0C);
+        const auto from = bytes.begin() + static_cast<std::ptrdiff_t>(at);
+        bytes.erase(from, from + static_cast<std::ptrdiff_t>(lost));
+        return bytes;
+    };
+    for (std::size_t lost = 1; lost <= 10; ++lost) {
+        for (std::size_t at = 0; at + lost <= kSbus24FrameLength; ++at) {
+            std::vector<Bytes> bursts{{}};
+            for (int frame = 0; frame < 10; ++frame) {
+                bursts.push_back(cut(at, lost));
+                bursts.push_back(frame_of({}, 0x0C));
+            }
+            ASSERT_TRUE(between_pauses(bursts).empty()) << lost << " lost at " << at;
+        }
+    }
+}
+
+/// The byte before the pause is one too many, so that more than a frame waits.
+TEST(Sbus24, IsNeverReadAsAFrameOf16WhereTheLineAddsBytes) {
+    for (const std::uint8_t added : from_hex("00 0f ff")) {
+        for (std::ptrdiff_t at = 0; at <= static_cast<std::ptrdiff_t>(kSbus24FrameLength); ++at) {
+            Bytes more = frame_of({}, 0x0C);
+            more.insert(more.begin() + at, added);
+            const std::vector<Bytes> bursts{{}, more, frame_of({}, 0x0C), more, more, more};
+            ASSERT_TRUE(between_pauses(bursts).empty()) << unsigned{added} << " at " << at;
+        }
+    }
+}
+
 /// A machine that was late reads several at once.
 TEST(Sbus24, IsNeverReadAsAFrameOf16WhenSeveralComeAtOnce) {
     Bytes several;

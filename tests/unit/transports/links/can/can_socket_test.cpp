@@ -86,7 +86,7 @@ TEST_F(SocketOfName, IsLostAsSoonAsTheNameIsThatOfAnotherInterface) {
     EXPECT_EQ(write(socket), WriteStatus::lost);
 }
 
-/// What waits may have come from the other bus.
+/// Frames that wait may have come from the other bus.
 TEST_F(SocketOfName, ReadsNothingMoreThatWaits) {
     CanSocket socket = socket_of(kIndex + 1);
     // It is empty at first, so that what comes has an age without the kernel's stamp.
