@@ -71,9 +71,12 @@ bool LineWriter::put_line(std::string_view line) {
 }
 
 void LineWriter::write(std::string_view line) {
-    const bool room = lost_ == 0 || put_line(fmt::format("({} lost here: there was no room)",
-                                                         counted(lost_, "line")));
-    lost_ = room && put_line(line) ? 0 : lost_ + 1;
+    // A stream may have room for the few words, but none for the line.
+    if (lost_ > 0 &&
+        put_line(fmt::format("({} lost here: there was no room)", counted(lost_, "line")))) {
+        lost_ = 0;
+    }
+    lost_ += lost_ == 0 && put_line(line) ? 0 : 1;
 }
 
 }  // namespace tribus

@@ -32,13 +32,15 @@ inline constexpr std::array kDaemonRows{
     DaemonRow{"SbusToIbus18", Carries::ibus_of_sbus, 2460},
 };
 /// User instructions a second of the main thread, which looks at the devices five times a second.
+/// Each look asks too what each output waits for and whether an input has frames that do not count.
 inline constexpr double kMostOfMainThread = 29'000;
 /// System calls of the data thread: a wait, a read, a question whether the port still has the frame
 /// before, and a write; and some wake-ups for the figures.
 inline constexpr double kMostCallsAFrame = 4.05;
 inline constexpr double kLeastCallsAFrame = 3;
 /// Memory of the program, all of it locked, in bytes; after a reload; of it that of no file; and
-/// that of no file for each further pipeline.
+/// that of no file for each further pipeline. 0.5 KiB of the last are published of what its output
+/// waits for and of frames that do not count.
 inline constexpr double kMostMemory = 4.0e6;
 inline constexpr double kMostMemoryAfterAReload = 4.5e6;
 inline constexpr double kMostMemoryOfNoFile = 0.77e6;

@@ -23,15 +23,9 @@ using reference::PlainCrsfFrame;
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-/// What a module says of its timing: the period in 0.1 us, high byte first; the phase is right.
+/// The module wants frames with this period; their phase is right.
 Bytes timing(microseconds period) {
-    Bytes payload{0xEA, 0xEE, 0x10};
-    const auto tenths = static_cast<std::uint32_t>(10 * period.count());
-    for (int shift = 24; shift >= 0; shift -= 8) {
-        payload.push_back(static_cast<std::uint8_t>(tenths >> shift));
-    }
-    payload.insert(payload.end(), 4, 0);
-    return plain_crsf(0xC8, 0x3A, payload);
+    return reference::plain_crsf_timing(static_cast<std::uint32_t>(10 * period.count()), 0, 0xC8);
 }
 
 class HandsetOfAModule : public Loopback {

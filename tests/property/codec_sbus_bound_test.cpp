@@ -272,11 +272,10 @@ TEST(SbusBound, NoTruncatedFrameBecomesOneThatNobodySent) {
         print(sticks == moving_sticks ? "truncated, moving" : "truncated, random",
               std::to_string(cuts) + " cuts", score);
         EXPECT_EQ(score.wrong, 0U);
-        // Five of the frames are whole. Two that come out of one read count as one. In bursts these
-        // are the first whole frame of the line and the next one, if the first whole one is not
-        // followed by the cut one: it may be the beginning of one of 24 channels until the line has
-        // paused behind it, and only the next read shows the pause. So 43 of the 45 frames count
-        // that come at three ports with three frames hit.
+        // 45 whole frames come, 5 at each of 3 ports with each of the first 3 frames cut. 43 count:
+        // in bursts the first whole frame may begin one of 24 channels until the next read shows
+        // the pause behind it. If that read brings a whole frame, both come out of it and count as
+        // one. So it is where the first or the third frame is cut.
         EXPECT_GE(score.right, 43 * 5 * cuts / 45);
     }
 }

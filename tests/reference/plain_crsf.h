@@ -99,6 +99,19 @@ inline std::vector<std::uint8_t> plain_crsf(std::uint8_t address, std::uint8_t t
     return frame;
 }
 
+/// What a module says of its timing, in 0.1 us. Modules of ExpressLRS 4 begin with C8 (ExpressLRS
+/// commit 60013c7e7), others with EA.
+inline std::vector<std::uint8_t> plain_crsf_timing(std::uint32_t period, std::int32_t offset,
+                                                   std::uint8_t address = 0xEA) {
+    std::vector<std::uint8_t> payload{0xEA, 0xEE, 0x10};
+    for (const std::uint32_t number : {period, static_cast<std::uint32_t>(offset)}) {
+        for (int shift = 24; shift >= 0; shift -= 8) {
+            payload.push_back(static_cast<std::uint8_t>(number >> shift));
+        }
+    }
+    return plain_crsf(address, 0x3A, payload);
+}
+
 /// The payload of 16 raw values.
 inline std::vector<std::uint8_t> plain_crsf_packed(const std::array<std::uint16_t, 16>& raw) {
     std::vector<std::uint8_t> payload(22);

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -66,6 +67,17 @@ inline SettingValues dbc_settings(std::string_view dbc, std::string_view signals
     return settings;
 }
 
+/// The end of a DBC file in which the messages with these ids, as it writes them, are J1939 ones.
+inline std::string j1939_frames(std::initializer_list<std::uint32_t> ids) {
+    std::string text =
+        "BA_DEF_ BO_ \"VFrameFormat\" ENUM \"StandardCAN\",\"ExtendedCAN\",\"reserved\","
+        "\"J1939PG\";\n";
+    for (const std::uint32_t id : ids) {
+        text += "BA_ \"VFrameFormat\" BO_ " + std::to_string(id) + " 3;\n";
+    }
+    return text;
+}
+
 /// Returns each mistake as "signals.Command.Speed: what is wrong".
 inline std::vector<std::string> told(const std::vector<SettingMistake>& mistakes) {
     std::vector<std::string> lines;
@@ -86,6 +98,12 @@ inline DbcMap dbc_map(const SettingValues& settings, SettingScope scope) {
         return {};
     }
     return std::move(*map);
+}
+
+/// The map of an input.
+inline DbcMap received_map(std::string_view dbc, std::string_view signals,
+                           std::string_view cycles = {}) {
+    return dbc_map(dbc_settings(dbc, signals, cycles), SettingScope::input);
 }
 
 using CanFrames = std::vector<CanFrame>;

@@ -31,6 +31,10 @@ inline constexpr std::string_view kFrsky =
 /// 8 channels, the unused ones 0; ArduPilot's RCProtocolTest, which expects the values below.
 inline constexpr std::string_view kUnusedZero =
     "0f 4c 1c 5f 32 34 38 dd 89 83 0f 7c 00 00 00 00 00 00 00 00 00 00 00 00 00";
+/// FrSky's frame of 24 channels, all in the centre (captures/field/f08_sbus24_centre.txt).
+inline constexpr std::string_view kCentred24 =
+    "0f e0 03 1f f8 c0 07 3e f0 81 0f 7c e0 03 1f f8 c0 07 3e f0 81 0f 7c e0 03 1f f8 c0 07 3e f0 "
+    "81 0f 7c 00 00";
 
 using RawValues = std::vector<int>;
 

@@ -3,16 +3,14 @@
 #include <array>
 #include <chrono>
 #include <cstddef>
-#include <filesystem>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
 #include "config/load.h"
 #include "config/show/effective.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/unit/config/examples.h"
 
 /// The keys of protocol "dbc" as a user writes them, with the file that they name.
@@ -45,25 +43,11 @@ interface = "can0"
 
 class DbcSettings : public ::testing::Test {
   protected:
-    DbcSettings() {
-        const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-        folder_ = std::filesystem::path(::testing::TempDir()) /
-                  (std::string("tribus_dbc_") + test->name());
-        std::filesystem::create_directories(folder_);
-        write("bus.dbc", kBus);
-    }
-    ~DbcSettings() override {
-        std::error_code ignored;
-        std::filesystem::remove_all(folder_, ignored);
-    }
+    DbcSettings() { folder_.write("bus.dbc", std::string(kBus)); }
 
-    void write(std::string_view name, std::string_view content) const {
-        std::ofstream(folder_ / name, std::ios::binary) << content;
-    }
     /// Loads a file whose line 11 is the first line of `end`.
     auto load(std::string_view end) const {
-        return load_configuration(std::string(kStart) + std::string(end),
-                                  (folder_ / "t.toml").string());
+        return load_configuration(std::string(kStart) + std::string(end), folder_ / "t.toml");
     }
     /// Returns the mistakes as "line:column: text".
     template <class Loaded>
@@ -89,7 +73,7 @@ protocol = "dbc"
 interface = "can0"
 dbc = "bus.dbc"
 )" + end,
-                                  (folder_ / "t.toml").string());
+                                  folder_ / "t.toml");
     }
     Lines mistakes_of_input(const std::string& end) const { return told(load_input(end)); }
     static std::string with_cycle(std::string_view cycle) {
@@ -104,7 +88,7 @@ dbc = "bus.dbc"
         return *configuration;
     }
 
-    std::filesystem::path folder_;
+    TemporaryFolder folder_;
 };
 
 TEST_F(DbcSettings, TheFileIsSoughtInTheFolderOfTheConfiguration) {
@@ -125,13 +109,13 @@ TEST_F(DbcSettings, AMissingFileIsToldWhereItIsNamed) {
 }
 
 TEST_F(DbcSettings, AMistakeInTheFileIsToldWithItsLineThere) {
-    write("bad.dbc", "BO_ 1 M: 8 A\n SG_ S : 60|8@1+ (1,0) [0|0] \"\" B\n");
+    folder_.write("bad.dbc", "BO_ 1 M: 8 A\n SG_ S : 60|8@1+ (1,0) [0|0] \"\" B\n");
     const Lines found = mistakes("dbc = \"bad.dbc\"\nsignals.M.S = 1\n");
     ASSERT_EQ(found.size(), 1U);
     EXPECT_EQ(found[0],
               "12:15: signal \"S\" cannot be used because of a mistake in line 2, column 6 of the "
               "DBC file: signal S needs 9 bytes, but message M has 8");
-    write("cut.dbc", "BO_ 1 M: 8 A\nCM_ \"");
+    folder_.write("cut.dbc", "BO_ 1 M: 8 A\nCM_ \"");
     EXPECT_EQ(mistakes("dbc = \"cut.dbc\"\nsignals.M.S = 1\n"),
               Lines{"11:7: cut.dbc:2:5: text without its closing quote"});
 }
@@ -257,7 +241,7 @@ TEST_F(DbcSettings, TheEffectiveConfigurationMeansTheSame) {
         "[output.bus.cycles]\n"
         "Heartbeat = \"1s\"\n");
     const std::string text = effective_toml(first);
-    const auto second = load_configuration(text, (folder_ / "t.toml").string());
+    const auto second = load_configuration(text, folder_ / "t.toml");
     ASSERT_TRUE(second) << format_mistake(second.error().front()) << text;
     EXPECT_EQ(effective_toml(*second), text);
     const auto* before = first.outputs.at(0).settings.find_as<SettingTree>("signals");

@@ -3,7 +3,6 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -11,9 +10,9 @@
 
 #include "app/log/state_log.h"
 #include "config/load.h"
-#include "pipelines/realtime/clock.h"
 #include "tests/support/far_end.h"
 #include "tests/support/sbus_frames.h"
+#include "tests/support/seen_within.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/app/log/log_in_memory.h"
 #include "tests/unit/transports/codecs/mavlink/mavlink_messages.h"
@@ -41,11 +40,11 @@ class StateLogOfAnAutopilot : public testing::Test {
     }
 
     void steer() {
-        until([&] {
+        ASSERT_TRUE(seen_within([&] {
             receiver_.send(from_hex(kAll992));
             autopilot_.receive();
             return appliance_->output_status(0).state.stage == OutputStage::control;
-        });
+        }));
     }
     /// Sends so many heartbeats, while the output is steered or not, and returns what the log says.
     std::string after_heartbeats(std::uint32_t count) {
@@ -53,7 +52,10 @@ class StateLogOfAnAutopilot : public testing::Test {
         for (std::uint32_t i = 0; i < count; ++i) {
             autopilot_.send(heartbeat_message());
         }
-        until([&] { return heard() == before + count; });
+        EXPECT_TRUE(seen_within([&] {
+            autopilot_.receive();
+            return heard() == before + count;
+        }));
         return said();
     }
     std::uint32_t heard() const { return appliance_->output_status(0).answers.heard; }
@@ -80,15 +82,6 @@ class StateLogOfAnAutopilot : public testing::Test {
                        "[runtime]\nrealtime = \"off\"\n",
                    "test.toml")
             .value();
-    }
-    template <class Condition>
-    void until(Condition condition) {
-        const Instant patience = monotonic_now() + 10s;
-        while (!condition()) {
-            ASSERT_LT(monotonic_now(), patience) << "nothing of it was seen";
-            autopilot_.receive();
-            std::this_thread::sleep_for(3ms);
-        }
     }
 
     TemporaryFolder folder_;

@@ -5,14 +5,13 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <thread>
 
 #include <gtest/gtest.h>
 
 #include "app/log/state_log.h"
 #include "config/load.h"
-#include "pipelines/realtime/clock.h"
 #include "tests/support/far_end.h"
+#include "tests/support/seen_within.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/app/log/log_in_memory.h"
 #include "transports/links/can/can_medium.h"
@@ -47,14 +46,6 @@ class StateLogOfASilentInput : public testing::Test {
         log_->look(*appliance_, now);
         return logged_.take_lines_of("input receiver: ");
     }
-    template <class Condition>
-    static void until(Condition condition) {
-        const Instant patience = monotonic_now() + 10s;
-        while (!condition()) {
-            ASSERT_LT(monotonic_now(), patience) << "nothing of it was seen";
-            std::this_thread::sleep_for(7ms);
-        }
-    }
     bool all_present() const { return appliance_->port_present(0) && appliance_->port_present(1); }
     std::uint64_t bytes() const { return appliance_->input_status(0).counts.bytes; }
 
@@ -82,7 +73,7 @@ TEST_F(StateLogOfASilentInput, NamesWireAndDoctorForASerialLine) {
 TEST_F(StateLogOfASilentInput, NamesRateAndInverterWhereBytesOfASerialLineAreNoFrames) {
     start(device_);
     receiver_.send(Bytes(7, 0x55));
-    until([&] { return bytes() == 7; });
+    ASSERT_TRUE(seen_within([&] { return bytes() == 7; }));
     EXPECT_EQ(said_at(Instant(3s)),
               "input receiver: garbled (bytes, but no frames)\n"
               "input receiver: 7 bytes but no frame yet; check protocol and rate, and the "
@@ -104,7 +95,7 @@ TEST_F(StateLogOfASilentInput, SaysNothingOfWiresWhileItsDeviceIsNotThere) {
     EXPECT_EQ(said_at(Instant(3s)), "");
     EXPECT_EQ(said_at(Instant(10s)), "");
     receiver_.plug_in();
-    until([&] { return said_at(Instant(10s)).empty() && all_present(); });
+    ASSERT_TRUE(seen_within([&] { return said_at(Instant(10s)).empty() && all_present(); }));
     EXPECT_EQ(said_at(Instant(12s)), "");
     EXPECT_NE(said_at(Instant(13s)).find("no byte yet"), std::string::npos)
         << "3 s after it was plugged in";

@@ -11,15 +11,14 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <utility>
 
 #include <gtest/gtest.h>
 
 #include "config/load.h"
-#include "pipelines/realtime/clock.h"
 #include "tests/support/far_end.h"
 #include "tests/support/sbus_frames.h"
+#include "tests/support/seen_within.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/app/log/log_in_memory.h"
 
@@ -54,24 +53,39 @@ class StateLogAtPtys : public testing::Test {
 
     /// Sends the frame until the program reports this cause; then the log looks.
     void receive(const Bytes& frame, LinkCause cause, Instant now) {
-        until([&] {
+        ASSERT_TRUE(seen_within([&] {
             receiver_.send(frame);
             return appliance_->input_status(0).state.cause == cause;
-        });
+        }));
         log_->look(*appliance_, now);
     }
     void receive_until_control(Instant now) {
-        until([&] {
+        ASSERT_TRUE(seen_within([&] {
             receiver_.send(kGood);
             return appliance_->output_status(0).state.stage == OutputStage::control;
-        });
+        }));
         log_->look(*appliance_, now);
+    }
+    /// Sends the frame among good ones until the program reports that it is not plausible; then the
+    /// log looks.
+    void receive_implausible(const Bytes& frame, Instant now) {
+        ASSERT_TRUE(seen_within([&] {
+            receiver_.send(kGood);
+            receiver_.send(frame);
+            const InputStatus status = appliance_->input_status(0);
+            return status.implausible.frames > 0 && status.ever_good;
+        }));
+        log_->look(*appliance_, now);
+    }
+    void see_the_output_wait() {
+        ASSERT_TRUE(seen_within(
+            [&] { return appliance_->output_status(0).wait.awaited == Awaited::link; }));
     }
     /// Lets the servos read so slowly that frames are dropped, with control in between. The log
     /// looks when both have happened.
     void drop_frames_under_control(Instant now) {
         const std::uint64_t before = appliance_->output_status(0).counts.busy_drops;
-        until([&] {
+        ASSERT_TRUE(seen_within([&] {
             receiver_.send(kGood);
             const OutputStatus status = appliance_->output_status(0);
             if (status.state.stage == OutputStage::cannot_send) {
@@ -79,22 +93,22 @@ class StateLogAtPtys : public testing::Test {
                 EXPECT_GT(::read(servos_.descriptor(), some.data(), some.size()), 0);
             }
             return status.state.stage == OutputStage::control && status.counts.busy_drops > before;
-        });
+        }));
         log_->look(*appliance_, now);
     }
     void receive_until_failsafe(Instant now) {
-        until([&] {
+        ASSERT_TRUE(seen_within([&] {
             receiver_.send(radio_lost());
             servos_.receive();
             return appliance_->output_status(0).state.stage == OutputStage::failsafe;
-        });
+        }));
         log_->look(*appliance_, now);
     }
     void ask_sensors(Instant now) {
-        until([&] {
+        ASSERT_TRUE(seen_within([&] {
             sensors_.send(kDiscover1);
             return appliance_->bus_state(0).sensor.requests > 0;
-        });
+        }));
         log_->look(*appliance_, now);
     }
     void reload(Instant now, const std::string& input = "receiver",
@@ -116,10 +130,10 @@ class StateLogAtPtys : public testing::Test {
     /// Lets the log look at 1 s repeatedly until it has messages, and returns them.
     std::string said_soon(std::string_view of) {
         std::string lines;
-        until([&] {
+        EXPECT_TRUE(seen_within([&] {
             lines = said_at(Instant(1s), of);
             return !lines.empty();
-        });
+        }));
         return lines;
     }
     std::string device(const FarEnd& far_end) { return "device " + far_end.path() + ": "; }
@@ -128,15 +142,6 @@ class StateLogAtPtys : public testing::Test {
     FarEnd receiver_{folder_ / "receiver"};
     FarEnd servos_{folder_ / "servos"};
     FarEnd sensors_{folder_ / "sensors"};
-
-    template <class Condition>
-    static void until(Condition condition) {
-        const Instant patience = monotonic_now() + 10s;
-        while (!condition()) {
-            ASSERT_LT(monotonic_now(), patience) << "nothing of it was seen";
-            std::this_thread::sleep_for(7ms);
-        }
-    }
 
   private:
     Configuration configuration(const std::string& input,
@@ -155,9 +160,8 @@ class StateLogAtPtys : public testing::Test {
             "[runtime]\nrealtime = \"off\"\n";
         return load_configuration(text, "test.toml").value();
     }
-    LogInMemory logged_{"%v"};
 
-  protected:
+    LogInMemory logged_{"%v"};
     std::unique_ptr<Appliance> appliance_;
     std::unique_ptr<StateLog> log_;
 };
@@ -170,7 +174,7 @@ constexpr std::string_view kServos = "output servos: ";
 constexpr std::string_view kTelemetry = "sensor bus telemetry: ";
 
 TEST_F(StateLogAtPtys, SaysWhatAnOutputWaitsForAfterAWhile) {
-    until([&] { return appliance_->output_status(0).wait.awaited == Awaited::link; });
+    see_the_output_wait();
     EXPECT_EQ(said_at(Instant(0s), kServos), "");
     EXPECT_EQ(said_at(Instant(699ms), kServos), "");
     EXPECT_EQ(said_at(Instant(700ms), kServos), "output servos: waits for receiver: never seen\n");
@@ -191,13 +195,7 @@ TEST_F(StateLogAtPtys, NamesTheValueOfAFrameThatIsNotPlausible) {
     // Channel 1 is raw 0, which means "no value" in the first second (`zero_guard`).
     zero[1] = 0;
     zero[2] &= 0xF8;
-    until([&] {
-        receiver_.send(kGood);
-        receiver_.send(zero);
-        const InputStatus status = appliance_->input_status(0);
-        return status.implausible.frames > 0 && status.ever_good;
-    });
-    log_->look(*appliance_, Instant(1s));
+    receive_implausible(zero, Instant(1s));
     const std::string lines = said(kReceiver);
     EXPECT_NE(lines.find("not plausible and ignored: channel 1 has the raw value 0"),
               std::string::npos)

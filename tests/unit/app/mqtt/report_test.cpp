@@ -54,6 +54,16 @@ TEST(MqttStatus, HasStatesCausesAndValuesWithTheirAges) {
               Json::parse(R"({"number":12.25,"unit":"V","age_s":0.2})"));
 }
 
+TEST(MqttStatus, SaysWhatAnOutputWaitsFor) {
+    Json waiting = status();
+    waiting["outputs"][0]["state"] = "failsafe";
+    waiting["outputs"][0]["input"] = nullptr;
+    waiting["outputs"][0]["waits_for"] = "receiver: good for 0.2 of 0.5 s";
+    EXPECT_EQ(Json::parse(status_payload(waiting))["outputs"]["servos"],
+              Json::parse(R"({"state":"failsafe","input":null,"obstacle":null,
+        "waits_for":"receiver: good for 0.2 of 0.5 s","rate_hz":71.5})"));
+}
+
 TEST(MqttStatus, HasNoNumberOfAValueThatIsStale) {
     Json old = status();
     old["values"][0]["stale"] = true;

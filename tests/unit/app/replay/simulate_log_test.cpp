@@ -88,6 +88,28 @@ TEST_F(SimulateLogTest, SaysNothingOfChannelsThatNoMapNames) {
     EXPECT_EQ(lines_with("preset", log_of_ibus_to("sbus", "")), "");
 }
 
+TEST_F(SimulateLogTest, NamesTheSignalWithoutAValueInsteadOfTheReceiver) {
+    folder_.write("x.dbc", "BO_ 256 M: 2 A\n SG_ Steer : 0|16@1+ (1,0) [800|2200] \"us\" B\n");
+    folder_.write("c.toml",
+                  "[input.bus]\nprotocol = \"dbc\"\ninterface = \"can0\"\ndbc = \"x.dbc\"\n"
+                  "signals.M.Steer = 1\n"
+                  "[output.servos]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyB\"\n"
+                  "[pipeline.main]\nfrom = \"bus\"\nto = \"servos\"\n");
+    // 1500 is 0x05DC, 3000 is 0x0BB8.
+    std::string frames;
+    for (int i = 0; i < 100; ++i) {
+        frames += fmt::format("({:.6f}) can0 100#{}\n", 1 + 0.02 * i, i < 50 ? "DC05" : "B80B");
+    }
+    folder_.write("can.log", frames);
+    const std::string log =
+        run("\"$TRIBUS\" simulate c.toml --in bus=can.log --out servos=out.txt");
+    const std::string lines = lines_with("input bus: radio lost", log);
+    EXPECT_TRUE(lines.ends_with(
+        "input bus: radio lost (message M, signal Steer: 3000 is outside of [800|2200])\n"))
+        << log;
+    EXPECT_EQ(log.find("the receiver says failsafe"), std::string::npos) << log;
+}
+
 class TwoSendersOfAMessage : public SimulateLogTest {
   protected:
     /// One message every 20 ms. With `second` there is another one every 100 ms, 16 ms after one

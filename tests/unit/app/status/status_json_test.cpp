@@ -156,6 +156,16 @@ TEST_F(StatusJson, NamesTheInputInControlAndThoseOutvoted) {
     EXPECT_EQ(servos["inputs"].dump(), R"(["main","backup"])");
 }
 
+TEST_F(StatusJson, SaysWhatAnOutputWaitsFor) {
+    output().wait = {.awaited = Awaited::run_time,
+                     .input = 1,
+                     .so_far = std::chrono::milliseconds(200),
+                     .needed = std::chrono::milliseconds(500)};
+    EXPECT_EQ(told()["outputs"][0]["waits_for"], "backup: good for 0.2 of 0.5 s");
+    output().wait = {};
+    EXPECT_TRUE(told()["outputs"][0]["waits_for"].is_null());
+}
+
 TEST_F(StatusJson, TellsFailsafeThatIsSaidFromFailsafeThatIsSilence) {
     output().sends = true;
     EXPECT_EQ(told()["outputs"][0]["state"], "failsafe");

@@ -80,6 +80,17 @@ TEST_F(Summary, InWordsHasALineForEachPart) {
                      "device /dev/ttyAMA5: there", "device can0: bus_off"}));
 }
 
+TEST_F(Summary, SaysWhatAnOutputWaitsForWhileItsFiguresAreNew) {
+    status_["outputs"][0]["state"] = "failsafe";
+    status_["outputs"][0]["input"] = nullptr;
+    status_["outputs"][0]["waits_for"] = "main: good for 0.2 of 0.5 s";
+    EXPECT_EQ(told()["outputs"][0]["waits_for"], "main: good for 0.2 of 0.5 s");
+    EXPECT_EQ(status_summary::lines(told())[3],
+              "output servos: failsafe, waits for main: good for 0.2 of 0.5 s");
+    status_["figures_age_us"] = 1'000'001;
+    EXPECT_TRUE(told()["outputs"][0]["waits_for"].is_null());
+}
+
 /// The data thread hangs: its last figures say "good" and "control" for ever.
 TEST_F(Summary, OldFiguresClaimNothing) {
     status_["figures_age_us"] = 1'000'001;

@@ -10,10 +10,12 @@
 
 #include "app/cli/exit_status.h"
 #include "tests/support/outcome.h"
+#include "tests/support/sbus_frames.h"
 
 namespace tribus::decode_frames_test {
 namespace {
 
+using test::kCentred24;
 using test::Outcome;
 using test::outcome_of;
 
@@ -50,14 +52,10 @@ std::string lines_of(std::initializer_list<std::string_view> lines) {
     return text;
 }
 
-// captures/field/f08_sbus24_centre.txt
 TEST(Decode, NamesSbusWith24Channels) {
-    const std::string_view frame =
-        "0f e0 03 1f f8 c0 07 3e f0 81 0f 7c e0 03 1f f8 c0 07 3e f0 81 0f 7c e0 03 1f f8 c0 07 3e "
-        "f0 81 0f 7c 00 00";
     for (const char* const protocol : {"sbus", "auto", "ibus"}) {
         const Outcome outcome =
-            decoded(lines_of({frame, frame, frame}), protocol, DecodeFormat::json);
+            decoded(lines_of({kCentred24, kCentred24, kCentred24}), protocol, DecodeFormat::json);
         EXPECT_NE(outcome.messages.find("tribus: it has 3 frames of FrSky's SBUS with 24 channels "
                                         "(36 bytes), which tribus does not read; set the receiver "
                                         "to 16 channels\n"),

@@ -1,13 +1,12 @@
 #include "config/check/warnings.h"
 
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tests/support/temporary_folder.h"
 #include "tests/unit/config/main_job.h"
 
 /// Configurations that look right and are not: accepted, with a warning and its line.
@@ -195,37 +194,34 @@ TEST(Warnings, AreAboutAUdpOutputThatItsOwnInputHears) {
 class DbcWarnings : public ::testing::Test {
   protected:
     DbcWarnings() {
-        std::filesystem::create_directories(folder_);
-        std::ofstream(folder_ / "bus.dbc") << "BO_ 256 M: 8 A\n"
-                                              " SG_ X : 0|16@1+ (1,0) [800|2200] \"us\" B\n"
-                                              " SG_ Lost : 16|1@1+ (1,0) [0|1] \"\" B\n"
-                                              "BO_ 257 N: 8 A\n"
-                                              " SG_ Y : 0|16@1+ (1,0) [800|2200] \"us\" B\n"
-                                              "BO_ 258 Bad: 9 A\n";
+        folder_.write("bus.dbc",
+                      "BO_ 256 M: 8 A\n"
+                      " SG_ X : 0|16@1+ (1,0) [800|2200] \"us\" B\n"
+                      " SG_ Lost : 16|1@1+ (1,0) [0|1] \"\" B\n"
+                      "BO_ 257 N: 8 A\n"
+                      " SG_ Y : 0|16@1+ (1,0) [800|2200] \"us\" B\n"
+                      "BO_ 258 Bad: 9 A\n");
     }
-    ~DbcWarnings() override { std::filesystem::remove_all(folder_); }
 
     Lines warnings(std::string_view text) const {
         Lines lines;
-        const auto configuration = load_configuration(text, (folder_ / "t.toml").string());
+        const auto configuration = load_configuration(text, folder_ / "t.toml");
         if (!configuration) {
             ADD_FAILURE() << format_mistake(configuration.error().front());
             return lines;
         }
         for (const Mistake& warning : warnings_about(*configuration)) {
             std::string line = format_mistake(warning);
-            for (std::size_t at = line.find(folder_.string()); at != std::string::npos;
-                 at = line.find(folder_.string())) {
-                line.erase(at, folder_.string().size() + 1);
+            for (std::size_t at = line.find(folder_ / ""); at != std::string::npos;
+                 at = line.find(folder_ / "")) {
+                line.erase(at, (folder_ / "").size());
             }
             lines.push_back(std::move(line));
         }
         return lines;
     }
 
-    std::filesystem::path folder_ = std::filesystem::path(::testing::TempDir()) /
-                                    "tribus_dbc_warnings" /
-                                    ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    TemporaryFolder folder_;
 };
 
 const std::string kBadFile =

@@ -10,6 +10,7 @@
 
 #include "config/keys/words.h"
 #include "config/show/manual_sections.h"
+#include "tests/support/dbc_maps.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/config/main_job.h"
 #include "transports/registry/registry.h"
@@ -23,7 +24,7 @@ using Lines = std::vector<std::string>;
 /// Marks the place of the example in a configuration.
 constexpr std::string_view kHere = "HERE";
 
-constexpr std::string_view kMessages = R"(BO_ 256 Command: 8 A
+const std::string kMessages = R"(BO_ 256 Command: 8 A
  SG_ Steering : 0|8@1+ (1,0) [0|250] "" B
  SG_ LeftStatus : 8|2@1+ (1,0) [0|1] "" B
  SG_ RightStatus : 10|2@1+ (1,0) [0|1] "" B
@@ -39,9 +40,7 @@ BO_ 512 Battery: 2 A
  SG_ Voltage : 0|16@1+ (0.001,0) [0|60] "V" B
 BO_ 2566772478 Joystick: 8 A
  SG_ X : 0|8@1+ (1,0) [0|250] "" B
-BA_DEF_ BO_ "VFrameFormat" ENUM "StandardCAN","ExtendedCAN","reserved","J1939PG";
-BA_ "VFrameFormat" BO_ 2566772478 3;
-)";
+)" + j1939_frames({2566772478});
 
 constexpr std::string_view kTwoInputs = R"([input.main]
 protocol = "sbus"
@@ -336,8 +335,8 @@ std::string with_example(const std::string& context, std::string_view key,
 
 TEST(KeyExamples, OfEveryKeyAreValid) {
     const test::TemporaryFolder folder;
-    folder.write("rover.dbc", std::string(kMessages));
-    folder.write("telemetry.dbc", std::string(kMessages));
+    folder.write("rover.dbc", kMessages);
+    folder.write("telemetry.dbc", kMessages);
     std::filesystem::permissions(folder.write("drone.key", std::string(64, '7')),
                                  std::filesystem::perms::owner_read);
     const auto general = contexts();

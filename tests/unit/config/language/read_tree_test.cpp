@@ -4,13 +4,12 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
 #include "config/language/parse_toml.h"
+#include "tests/support/temporary_folder.h"
 
 namespace tribus::test::read_tree_test {
 namespace {
@@ -20,15 +19,6 @@ using Lines = std::vector<std::string>;
 /// Reads the value of the only key, `key`, of a configuration in its own folder.
 class ReadTree : public ::testing::Test {
   protected:
-    ReadTree() { std::filesystem::create_directories(folder_); }
-    ~ReadTree() override {
-        std::error_code ignored;
-        std::filesystem::remove_all(folder_, ignored);
-    }
-
-    void write(std::string_view name, std::string_view content) const {
-        std::ofstream(folder_ / name, std::ios::binary) << content;
-    }
     std::optional<SettingTree> tree(std::string_view toml) {
         return read("key = " + std::string(toml), read_tree);
     }
@@ -44,10 +34,7 @@ class ReadTree : public ::testing::Test {
         return lines;
     }
 
-    const std::filesystem::path folder_ =
-        std::filesystem::path(::testing::TempDir()) /
-        (std::string("tribus_tree_") +
-         ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    const TemporaryFolder folder_;
 
   private:
     template <class Result>
@@ -62,7 +49,7 @@ class ReadTree : public ::testing::Test {
         return reader("key", table->entries.front().value, mistakes_);
     }
 
-    Mistakes mistakes_{(folder_ / "t.toml").string()};
+    Mistakes mistakes_{folder_ / "t.toml"};
 };
 
 TEST_F(ReadTree, KeepsEveryKindOfValueAndTheOrderOfTheFile) {
@@ -99,7 +86,7 @@ TEST_F(ReadTree, NamesEveryDateInsideByTheKeyThatItStandsUnder) {
 
 TEST_F(ReadTree, ReadsTheNamedFileWithItsBytesAsTheyAre) {
     const std::string content("a\r\n\0\xFF", 5);
-    write("bus.dbc", content);
+    folder_.write("bus.dbc", content);
     const auto read = file("\"bus.dbc\"");
     ASSERT_TRUE(read);
     EXPECT_EQ(read->path, "bus.dbc");
@@ -108,15 +95,15 @@ TEST_F(ReadTree, ReadsTheNamedFileWithItsBytesAsTheyAre) {
 
 TEST_F(ReadTree, SeeksTheFileFromTheFolderOfTheConfiguration) {
     std::filesystem::create_directory(folder_ / "inside");
-    write("inside/bus.dbc", "x");
+    folder_.write("inside/bus.dbc", "x");
     EXPECT_TRUE(file("\"inside/bus.dbc\""));
     EXPECT_TRUE(file("\"inside/../inside/bus.dbc\""));
-    const std::string absolute = "'" + (folder_ / "inside/bus.dbc").string() + "'";
+    const std::string absolute = "'" + (folder_ / "inside/bus.dbc") + "'";
     EXPECT_TRUE(file(absolute));
 }
 
 TEST_F(ReadTree, ReadsAnEmptyFile) {
-    write("empty.dbc", "");
+    folder_.write("empty.dbc", "");
     const auto read = file("\"empty.dbc\"");
     ASSERT_TRUE(read);
     EXPECT_EQ(read->content, "");
@@ -143,7 +130,7 @@ TEST_F(ReadTree, NeverReadsADeviceThatHasNoEnd) {
 }
 
 TEST_F(ReadTree, RefusesAFileBeyond16MiBAndTakesOneOf16) {
-    write("big.dbc", "");
+    folder_.write("big.dbc", "");
     constexpr std::uintmax_t kMost = 16U * 1024 * 1024;
     std::filesystem::resize_file(folder_ / "big.dbc", kMost);
     EXPECT_TRUE(file("\"big.dbc\""));

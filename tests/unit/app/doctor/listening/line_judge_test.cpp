@@ -15,6 +15,7 @@
 
 #include "config/schema/notation.h"
 #include "tests/support/recorded_lines.h"
+#include "tests/support/sbus_frames.h"
 #include "tests/support/streams.h"
 #include "transports/codecs/sbus/sbus.h"
 #include "transports/links/serial/serial_medium.h"
@@ -58,11 +59,8 @@ TEST_P(LineJudgeAtAPort, takes_noise_for_nothing_known) {
     EXPECT_EQ(judge_line(heard_of(wire, GetParam())).sound, LineSound::unknown);
 }
 
-// captures/field/f08_sbus24_centre.txt
 TEST_P(LineJudgeAtAPort, knows_sbus_with_24_channels_as_what_it_cannot_read) {
-    const std::vector<std::uint8_t> frame = test::from_hex(
-        "0f e0 03 1f f8 c0 07 3e f0 81 0f 7c e0 03 1f f8 c0 07 3e f0 81 0f 7c e0 03 1f f8 c0 07 3e "
-        "f0 81 0f 7c 00 00");
+    const std::vector<std::uint8_t> frame = test::from_hex(test::kCentred24);
     Wire wire({.line = kSbusLine});
     for (int i = 0; i < 100; ++i) {
         wire.send(milliseconds(12) * i, frame);

@@ -55,7 +55,7 @@ class PageBytes : public ::testing::Test {
         return {message.begin() + static_cast<std::ptrdiff_t>(begin),
                 message.begin() + static_cast<std::ptrdiff_t>(end)};
     }
-    /// Its body, and what the page's text makes of it.
+    /// Body and MAC.
     static LinkBytes with(LinkBytes body, const LinkBytes& mac) {
         body.insert(body.end(), mac.begin(), mac.end());
         return body;

@@ -16,6 +16,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using reference::plain_crsf;
+using reference::plain_crsf_timing;
 
 constexpr Instant kNow = Instant(1h);
 
@@ -33,18 +34,6 @@ Bytes sent(CrsfHandsetEncoder& encoder, const ChannelFrame& frame = centred()) {
     std::array<std::uint8_t, kLongestSerialFrame> wire{};
     const std::size_t length = encoder.write(frame, wire, kNow);
     return {wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length)};
-}
-
-/// What a module says of its timing: numbers of 0.1 us, high byte first. Modules of ExpressLRS 4
-/// begin with C8 (ExpressLRS commit 60013c7e7), others with EA.
-Bytes timing(std::uint32_t period, std::int32_t offset, std::uint8_t address = 0xEA) {
-    Bytes payload{0xEA, 0xEE, 0x10};
-    for (const std::uint32_t number : {period, static_cast<std::uint32_t>(offset)}) {
-        for (int shift = 24; shift >= 0; shift -= 8) {
-            payload.push_back(static_cast<std::uint8_t>(number >> shift));
-        }
-    }
-    return plain_crsf(address, 0x3A, payload);
 }
 
 /// docs/protocols/crsf.md: all 992 = 1500 us, with the address of a module.
@@ -78,11 +67,11 @@ TEST(CrsfHandset, SaysNothingWhileSilent) {
 
 TEST(CrsfHandset, HearsTheTimingThatTheModuleAsksFor) {
     CrsfHandsetEncoder encoder(std::nullopt);
-    const auto later = encoder.hear(timing(40000, 1234), kNow);
+    const auto later = encoder.hear(plain_crsf_timing(40000, 1234), kNow);
     ASSERT_TRUE(later);
     EXPECT_EQ(later->period, 4ms);
     EXPECT_EQ(later->later, 123400ns);
-    const auto sooner = encoder.hear(timing(66670, -5), kNow);
+    const auto sooner = encoder.hear(plain_crsf_timing(66670, -5), kNow);
     ASSERT_TRUE(sooner);
     EXPECT_EQ(sooner->period, 6667us);
     EXPECT_EQ(sooner->later, -500ns);
@@ -90,25 +79,25 @@ TEST(CrsfHandset, HearsTheTimingThatTheModuleAsksFor) {
 
 TEST(CrsfHandset, HearsAModuleWhoseFramesBeginWithTheSyncByte) {
     CrsfHandsetEncoder encoder(3);
-    const auto asked = encoder.hear(timing(200000, -5, 0xC8), kNow);
+    const auto asked = encoder.hear(plain_crsf_timing(200000, -5, 0xC8), kNow);
     ASSERT_TRUE(asked);
     EXPECT_EQ(asked->period, 20ms);
     EXPECT_EQ(asked->later, -500ns);
     EXPECT_EQ(sent(encoder).at(7), 3U);
     EXPECT_EQ(sent(encoder).size(), 26U);
-    EXPECT_EQ(encoder.hear(timing(20000, 0, 0xC8), kNow + 200ms)->period, 2ms);
+    EXPECT_EQ(encoder.hear(plain_crsf_timing(20000, 0, 0xC8), kNow + 200ms)->period, 2ms);
     EXPECT_EQ(sent(encoder).size(), 26U);
 }
 
 TEST(CrsfHandset, TakesTheLastOfSeveralTimings) {
     CrsfHandsetEncoder encoder(std::nullopt);
-    Bytes bytes = timing(40000, 1);
-    append(bytes, timing(20000, 2));
+    Bytes bytes = plain_crsf_timing(40000, 1);
+    append(bytes, plain_crsf_timing(20000, 2));
     EXPECT_EQ(encoder.hear(bytes, kNow)->period, 2ms);
 }
 
 TEST(CrsfHandset, HearsTimingWhereverTheReadsAreCut) {
-    const Bytes bytes = timing(40000, 1);
+    const Bytes bytes = plain_crsf_timing(40000, 1);
     for (std::size_t cut = 1; cut < bytes.size(); ++cut) {
         CrsfHandsetEncoder encoder(std::nullopt);
         EXPECT_FALSE(encoder.hear(std::span(bytes).first(cut), kNow));
@@ -117,7 +106,7 @@ TEST(CrsfHandset, HearsTimingWhereverTheReadsAreCut) {
 }
 
 TEST(CrsfHandset, ForgetsABeginningBeforeAGap) {
-    const Bytes bytes = timing(40000, 1);
+    const Bytes bytes = plain_crsf_timing(40000, 1);
     CrsfHandsetEncoder encoder(std::nullopt);
     EXPECT_FALSE(encoder.hear(std::span(bytes).first(5), kNow));
     encoder.forget_heard();
@@ -126,7 +115,7 @@ TEST(CrsfHandset, ForgetsABeginningBeforeAGap) {
 
 TEST(CrsfHandset, TakesNoTimingThatIsNone) {
     CrsfHandsetEncoder encoder(std::nullopt);
-    const Bytes good = timing(40000, 1);
+    const Bytes good = plain_crsf_timing(40000, 1);
     for (std::size_t bit = 8; bit < 8 * good.size(); ++bit) {
         Bytes bytes = good;
         bytes[bit / 8] = static_cast<std::uint8_t>(bytes[bit / 8] ^ (1U << bit % 8));
@@ -134,10 +123,10 @@ TEST(CrsfHandset, TakesNoTimingThatIsNone) {
         EXPECT_FALSE(encoder.hear(bytes, kNow)) << bit;
     }
     encoder.forget_heard();
-    EXPECT_FALSE(encoder.hear(timing(0, 1), kNow));
+    EXPECT_FALSE(encoder.hear(plain_crsf_timing(0, 1), kNow));
     EXPECT_FALSE(encoder.hear(plain_crsf(0xEA, 0x3A, {0xEA, 0xEE, 0x10, 0, 0, 0x9C, 0x40}), kNow));
     // To another device, of another kind, and an own frame that comes back.
-    Bytes other = timing(40000, 1);
+    Bytes other = plain_crsf_timing(40000, 1);
     EXPECT_FALSE(encoder.hear(plain_crsf(0xEC, 0x3A, {other.begin() + 3, other.end() - 1}), kNow));
     EXPECT_FALSE(encoder.hear(
         plain_crsf(0xEA, 0x3A, {0xEA, 0xEE, 0x11, 0, 0, 0x9C, 0x40, 0, 0, 0, 0}), kNow));
@@ -235,7 +224,7 @@ TEST(CrsfHandset, KnowsThatBytesAreNoFrameOfAModule) {
 TEST(CrsfHandset, KnowsThatItsModuleIsHeardUntilItWasSilentForTwoSeconds) {
     CrsfHandsetEncoder encoder(3);
     send_for(encoder, 0s, 4s);
-    encoder.hear(timing(40000, 0, 0xC8), kNow + 4s);
+    encoder.hear(plain_crsf_timing(40000, 0, 0xC8), kNow + 4s);
     EXPECT_EQ(encoder.hearing(kNow + 4s), Hearing::heard);
     send_for(encoder, 4s, 6100ms, {0x55});
     EXPECT_EQ(encoder.hearing(kNow + 5999ms), Hearing::heard);

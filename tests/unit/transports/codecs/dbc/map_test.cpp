@@ -8,71 +8,13 @@
 #include <vector>
 
 #include "tests/support/dbc_maps.h"
+#include "tests/unit/transports/codecs/dbc/map_bus.h"
 
 namespace tribus::map_test {
 namespace {
 
 using namespace test;
-using Lines = std::vector<std::string>;
-
-constexpr std::string_view kBus = R"(
-BO_ 304 Command: 8 A
- SG_ Mode : 0|8@1+ (1,0) [0|0] "" B
- SG_ Speed : 16|8@1- (1,0) [-100|100] "%" B
- SG_ Pulse : 24|12@1+ (1,0) [0|0] "us" B
- SG_ Short : 24|8@1+ (1,0) [0|0] "us" B
- SG_ Plain : 36|4@1+ (1,0) [0|0] "" B
- SG_ Magnitude : 40|8@1+ (1,0) [0|100] "%" B
- SG_ Minus : 48|2@1+ (1,0) [0|0] "" B
- SG_ Count : 50|6@1+ (1,0) [0|0] "" B
- SG_ Check : 56|8@1+ (1,0) [0|0] "" B
-BO_ 305 Paged: 8 A
- SG_ Page M : 0|8@1+ (1,0) [0|0] "" B
- SG_ First m0 : 8|8@1+ (1,0) [0|100] "" B
- SG_ Second m1 : 8|8@1+ (1,0) [0|100] "" B
- SG_ SecondSign m1 : 16|1@1+ (1,0) [0|0] "" B
- SG_ SecondCheck m1 : 24|8@1+ (1,0) [0|0] "" B
-BO_ 306 Wide: 8 A
- SG_ Intel16 : 0|16@1+ (1,0) [0|0] "" B
- SG_ Motorola16 : 7|16@0+ (1,0) [0|0] "" B
- SG_ Byte0 : 0|8@1+ (1,0) [0|0] "" B
- SG_ Value : 16|8@1+ (1,0) [0|100] "" B
- SG_ Float : 32|32@1- (1,0) [0|0] "" B
-BO_ 2365512958 Joystick: 8 A
- SG_ X : 0|8@1+ (1,0) [0|100] "" B
-BO_ 2365512755 OneJoystick: 8 A
- SG_ X1 : 0|8@1+ (1,0) [0|100] "" B
-BO_ 2566852608 Long: 20 A
- SG_ L : 0|8@1+ (1,0) [0|100] "" B
-BA_DEF_ BO_ "VFrameFormat" ENUM "StandardCAN","ExtendedCAN","reserved","J1939PG";
-BA_DEF_ BO_ "GenMsgCycleTime" INT 0 60000;
-BA_ "VFrameFormat" BO_ 2365512958 3;
-BA_ "VFrameFormat" BO_ 2365512755 3;
-BA_ "VFrameFormat" BO_ 2566852608 3;
-BA_ "GenMsgCycleTime" BO_ 304 20;
-BA_ "GenMsgCycleTime" BO_ 305 50;
-SIG_VALTYPE_ 306 Float : 1;
-)";
-
-Lines mistakes_in(std::string_view dbc, std::string_view signals,
-                  SettingScope scope = SettingScope::output, std::string_view cycles = {}) {
-    const auto map = build_dbc_map(dbc_settings(dbc, signals, cycles), scope);
-    return map ? Lines{} : told(map.error());
-}
-
-Lines mistakes(std::string_view signals, SettingScope scope = SettingScope::output,
-               std::string_view cycles = {}) {
-    return mistakes_in(kBus, signals, scope, cycles);
-}
-
-DbcMap map_of(std::string_view signals, SettingScope scope = SettingScope::output,
-              std::string_view cycles = {}) {
-    return dbc_map(dbc_settings(kBus, signals, cycles), scope);
-}
-
-const DbcChannel& only_channel(const DbcMap& map) {
-    return map.parts.at(0).channels.at(0);
-}
+using namespace map_bus;
 
 TEST(DbcMap, WithoutValueTheRangeOfTheFileIsTheTravel) {
     const DbcMap map = map_of(R"({"Command": {"Speed": 3}})");
@@ -121,24 +63,8 @@ TEST(DbcMap, SaysFailsafeByAFlagOrACodeInEachChannel) {
                      .signals_failsafe());
 }
 
-TEST(DbcMap, EachPageIsAFrameThatIsSent) {
-    const DbcMap map = map_of(R"({"Paged": {"First": 1, "Second": 2}})");
-    ASSERT_EQ(map.parts.size(), 2U);
-    EXPECT_EQ(map.parts[0].selectors.at(0).sent, 0U);
-    EXPECT_EQ(map.parts[1].selectors.at(0).sent, 1U);
-}
-
 TEST(DbcMap, AnOutputMaySendAChannelTwice) {
     EXPECT_EQ(mistakes(R"({"Command": {"Speed": 1, "Pulse": 1}})"), Lines{});
-}
-
-TEST(DbcMap, AJ1939IdMatchesAnyPriorityAndWithAddressFEAnySource) {
-    const DbcMap open = map_of(R"({"Joystick": {"X": 1}})", SettingScope::input);
-    EXPECT_TRUE(open.messages[0].id.matches(extended_frame(0x18FEDC17, {})));
-    EXPECT_FALSE(open.messages[0].id.matches(extended_frame(0x18FEDD17, {})));
-    const DbcMap one = map_of(R"({"OneJoystick": {"X1": 1}})", SettingScope::input);
-    EXPECT_TRUE(one.messages[0].id.matches(extended_frame(0x18FEDC33, {})));
-    EXPECT_FALSE(one.messages[0].id.matches(extended_frame(0x18FEDC17, {})));
 }
 
 TEST(DbcMap, ReportsAMistakeOfTheFileWithItsPlace) {
@@ -331,114 +257,10 @@ TEST(DbcMap, AnOutputSendsAtMost16Frames) {
               Lines{"signals: they need 17 frames; allowed: at most 16"});
 }
 
-constexpr std::string_view kUnknownPage =
-    "the DBC file says that it is multiplexed, but not by which signal or with which values of it; "
-    "allowed: a signal marked m0, m1, ... in a message with one signal marked M, or one with a "
-    "range in SG_MUL_VAL_";
-
-constexpr std::string_view kHalfMultiplexed = R"(
-BO_ 1 M: 8 A
- SG_ Page M : 0|8@1+ (1,0) [0|0] "" B
- SG_ Bare m : 8|8@1+ (1,0) [0|100] "" B
- SG_ Known m1 : 8|8@1+ (1,0) [0|100] "" B
- SG_ Sign m : 16|1@1+ (1,0) [0|0] "" B
- SG_ Always : 24|8@1+ (1,0) [0|100] "" B
-BO_ 2 N: 8 A
- SG_ Alone m1M : 0|8@1+ (1,0) [0|100] "" B
- SG_ Below : 8|8@1+ (1,0) [0|100] "" B
-SG_MUL_VAL_ 2 Below Alone 3-3;
-)";
-
-TEST(DbcMap, RefusesASignalWhosePageTheFileDoesNotSay) {
-    for (const SettingScope scope : {SettingScope::input, SettingScope::output}) {
-        EXPECT_EQ(mistakes_in(kHalfMultiplexed, R"({"M": {"Bare": 1}})", scope),
-                  Lines{"signals.M.Bare: " + std::string(kUnknownPage)});
-        EXPECT_EQ(mistakes_in(kHalfMultiplexed, R"({"N": {"Below": 1}})", scope),
-                  Lines{"signals.N.Below: " + std::string(kUnknownPage)});
-    }
-}
-
-TEST(DbcMap, TakesTheOtherSignalsOfTheSameMessage) {
-    EXPECT_EQ(mistakes_in(kHalfMultiplexed, R"({"M": {"Known": 1}})"), Lines{});
-    EXPECT_EQ(mistakes_in(kHalfMultiplexed, R"({"M": {"Always": 1}})"), Lines{});
-}
-
-TEST(DbcMap, RefusesADirectionWhosePageTheFileDoesNotSay) {
-    EXPECT_EQ(
-        mistakes_in(kHalfMultiplexed, R"({"M": {"Always": {"channel": 1, "negative": "Sign"}}})"),
-        Lines{
-            "signals.M.Always.negative: \"Sign\" cannot give the direction of \"Always\"; allowed: "
-            "another signal of 1 or 2 bits in the same frames"});
-}
-
 TEST(DbcMap, SaysThatAFileHasNoMessageAtAll) {
     EXPECT_EQ(mistakes_in("VERSION \"\"\n", R"({"M": {"S": 1}})"),
               Lines{"signals.M: the DBC file has no message \"M\"; it has no messages: no line "
                     "begins with BO_"});
-}
-
-TEST(DbcMap, AFixedSelectorSaysWhichPageIsSent) {
-    const DbcMap map = map_of(R"({"Paged": {"Page": {"fixed": 1}, "Second": 2}})");
-    ASSERT_EQ(map.parts.size(), 1U);
-    EXPECT_TRUE(map.parts[0].fixed.empty());
-    EXPECT_EQ(map.parts[0].selectors.at(0).sent, 1U);
-    EXPECT_EQ(map.parts[0].channels.at(0).signal, "Second");
-}
-
-TEST(DbcMap, AFixedSelectorChoosesOneOfSeveralPagesOfASignal) {
-    constexpr std::string_view kRange = R"(BO_ 1 M: 3 A
- SG_ Page M : 0|8@1+ (1,0) [0|0] "" B
- SG_ X m1 : 8|8@1+ (1,0) [0|100] "" B
-SG_MUL_VAL_ 1 X Page 1-3;
-)";
-    for (const SettingScope scope : {SettingScope::input, SettingScope::output}) {
-        const DbcMap map =
-            dbc_map(dbc_settings(kRange, R"({"M": {"Page": {"fixed": 2}, "X": 1}})"), scope);
-        const DbcSelector& selector = map.parts.at(0).selectors.at(0);
-        EXPECT_EQ(selector.sent, 2U);
-        EXPECT_EQ(selector.selected_by, (std::vector<DbcSelectorRange>{{2, 2}}));
-    }
-}
-
-TEST(DbcMap, AFixedSelectorSaysWhichPageIsReadAndOthersAreNoFault) {
-    const DbcMap map =
-        map_of(R"({"Paged": {"Page": {"fixed": 1}, "Second": 2}})", SettingScope::input);
-    ASSERT_EQ(map.parts.size(), 1U);
-    EXPECT_TRUE(map.parts[0].fixed.empty());
-    EXPECT_EQ(map.parts[0].selectors.at(0).selected_by, (std::vector<DbcSelectorRange>{{1, 1}}));
-}
-
-SettingValues with_own_address(std::string_view signals, std::int64_t address) {
-    SettingValues settings = dbc_settings(kBus, signals);
-    settings.set("own_address", address);
-    return settings;
-}
-
-TEST(DbcMap, TheOwnAddressFillsIdsThatTheFileLeavesOpen) {
-    // 0x0CFDD6FE (2365512958 without bit 31 is 0x0CFF14FE): the last byte becomes 0x33.
-    const DbcMap map =
-        dbc_map(with_own_address(R"({"Joystick": {"X": 1}})", 0x33), SettingScope::output);
-    const std::uint32_t in_file = 2365512958U & 0x1FFFFFFFU;
-    EXPECT_EQ(in_file & 0xFFU, 0xFEU);
-    EXPECT_EQ(map.messages.at(0).sent_id, (in_file & ~0xFFU) | 0x33U);
-    EXPECT_TRUE(map.messages[0].id.matches({.id = map.messages[0].sent_id, .extended = true}));
-    EXPECT_FALSE(map.messages[0].id.matches({.id = in_file, .extended = true}));
-}
-
-TEST(DbcMap, TheOwnAddressLeavesOtherIdsAsTheyAre) {
-    const DbcMap map =
-        dbc_map(with_own_address(R"({"Joystick": {"X": 1}, "Command": {"Speed": 2}})", 0x33),
-                SettingScope::output);
-    EXPECT_EQ(map.messages.at(1).sent_id, 304U);
-}
-
-TEST(DbcMap, AnOwnAddressThatNoIdNeedsIsAMistake) {
-    const auto map =
-        build_dbc_map(with_own_address(R"({"Command": {"Speed": 2}})", 0x33), SettingScope::output);
-    ASSERT_FALSE(map);
-    EXPECT_EQ(told(map.error()),
-              Lines{"own_address: it is for ids of J1939 that the file leaves at 0xFE, but no "
-                    "mapped message has one; leave it out"});
 }
 
 TEST(DbcMap, TellsWhichOfItsMessagesCannotSayFailsafe) {

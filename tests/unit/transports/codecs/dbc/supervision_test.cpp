@@ -18,7 +18,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 DbcDecoder decoder_of(std::string_view dbc, std::string_view signals,
                       std::string_view cycles = {}) {
-    return DbcDecoder(dbc_map(dbc_settings(dbc, signals, cycles), SettingScope::input));
+    return DbcDecoder(received_map(dbc, signals, cycles));
 }
 
 constexpr std::string_view kBus = R"(
@@ -145,6 +145,18 @@ TEST(DbcDecoder, ASlowMessageIsNotWaitedForButMissedAfterThreeCycles) {
     const auto again = decoder.next(left(10), at(330));
     EXPECT_TRUE(again->good());
     EXPECT_EQ(value(again, 1), 21);
+}
+
+TEST(DbcDecoder, ASlowMessageWithOptionalChannelsOnlyMayStayAway) {
+    DbcDecoder decoder =
+        decoder_of(kBus, R"({"Left": {"L": 1}, "Right": {"R": {"channel": 2, "optional": true}}})",
+                   R"({"Left": "20ms", "Right": "100ms"})");
+    decoder.next(right(20), at(0));
+    EXPECT_EQ(value(decoder.next(left(10), at(20)), 1), 20);
+    const auto without = decoder.next(left(10), at(340));
+    ASSERT_TRUE(without);
+    EXPECT_TRUE(without->good());
+    EXPECT_FALSE(without->has(1)) << "an old value would be stale";
 }
 
 TEST(DbcDecoder, AMissingHeartbeatIsFailsafe) {

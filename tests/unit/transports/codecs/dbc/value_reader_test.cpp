@@ -135,7 +135,7 @@ SIG_VALTYPE_ 1 Float : 1;
 }
 
 // 0x0CF004FE: parameter group 0xF004 from any source.
-constexpr std::string_view kJ1939 = R"(
+const std::string kJ1939 = R"(
 BO_ 2364540158 M: 8 A
  SG_ Two : 0|2@1+ (1,0) [0|0] "" B
  SG_ Ten : 2|10@1+ (1,0) [0|0] "" B
@@ -143,9 +143,7 @@ BO_ 2364540158 M: 8 A
  SG_ Wide : 24|16@1+ (0.125,0) [0|0] "rpm" B
  SG_ Signed : 40|8@1- (1,0) [0|0] "" B
  SG_ Bit : 48|1@1+ (1,0) [0|0] "" B
-BA_DEF_ BO_ "VFrameFormat" ENUM "StandardCAN","ExtendedCAN","reserved","J1939PG";
-BA_ "VFrameFormat" BO_ 2364540158 3;
-)";
+)" + j1939_frames({2364540158});
 
 TEST(DbcValueReader, AJ1939MessageIsItsParameterGroup) {
     Reader reader(kJ1939);

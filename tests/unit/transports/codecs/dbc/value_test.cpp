@@ -198,20 +198,18 @@ TEST_F(DbcValueOutput, EachPageIsSentWithItsValuesWhileTheyAreThere) {
 }
 
 // J1939 electronic engine controller and a proprietary message, with the layout of SAE J1939-71.
-constexpr std::string_view kJ1939 = R"(
+const std::string kJ1939 = R"(
 BO_ 2364540158 M: 8 A
  SG_ Wide : 0|16@1+ (0.05,0) [0|0] "V" B
  SG_ Byte : 16|8@1+ (1,-40) [0|0] "degC" B
  SG_ Two : 24|2@1+ (1,0) [0|0] "" B
  SG_ Ten : 26|10@1+ (1,0) [0|0] "" B
  SG_ Signed : 40|8@1- (1,0) [0|0] "" B
-BA_DEF_ BO_ "VFrameFormat" ENUM "StandardCAN","ExtendedCAN","reserved","J1939PG";
-BA_ "VFrameFormat" BO_ 2364540158 3;
-)";
+)" + j1939_frames({2364540158});
 
 std::string j1939_text() {
     // The same from a source that may send: 0x0CF00400.
-    std::string text(kJ1939);
+    std::string text = kJ1939;
     for (std::size_t found = 0; (found = text.find("2364540158")) != std::string::npos;) {
         text.replace(found, 10, "2364539904");
     }

@@ -167,6 +167,7 @@ TEST_P(DsmBesideBetaflight, ReadsNearlyAllThatItReadsRight) {
         sum.tribus.add(both.tribus);
         sum.betaflight.add(both.betaflight);
     }
+    ASSERT_GT(sum.betaflight.right, 30'000U);
     EXPECT_GE(1000 * sum.tribus.right, GetParam().right_in_1000 * sum.betaflight.right);
     EXPECT_LE(sum.tribus.wrong, GetParam().wrong_in_40000);
 }

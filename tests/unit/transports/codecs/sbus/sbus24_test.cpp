@@ -54,21 +54,16 @@ std::vector<DecodedFrame> between_pauses(const std::vector<Bytes>& bursts) {
     return frames;
 }
 
-// As a receiver with all channels in the centre sends it (captures/field/f08_sbus24_centre.txt).
-constexpr std::string_view kCentre =
-    "0f e0 03 1f f8 c0 07 3e f0 81 0f 7c e0 03 1f f8 c0 07 3e f0 81 0f 7c e0 03 1f f8 c0 07 3e f0 "
-    "81 0f 7c 00 00";
-
 TEST(Sbus24, IsKnownByTwoFramesInARow) {
     Channels centred;
     centred.fill(992);
-    ASSERT_EQ(frame_of(centred), from_hex(kCentre));
+    ASSERT_EQ(frame_of(centred), from_hex(kCentred24));
     Sbus24Watch watch;
-    watch.take(from_hex(kCentre));
+    watch.take(from_hex(kCentred24));
     EXPECT_EQ(watch.frames(), 0U);
-    watch.take(from_hex(kCentre));
+    watch.take(from_hex(kCentred24));
     EXPECT_EQ(watch.frames(), 2U);
-    watch.take(from_hex(kCentre));
+    watch.take(from_hex(kCentred24));
     EXPECT_EQ(watch.frames(), 3U);
     Sbus24Watch other;
     for (int frame = 0; frame < 100; ++frame) {

@@ -167,11 +167,9 @@ TEST_F(FramesBehindAName, DoNotLeaveWhereTheyWaited) {
     EXPECT_NONE_SENT([](CanSocket& socket) { socket.poll(kNow + 2ms); });
 }
 
-/// It is looked at without a telling, too, while it does not send.
-TEST_F(SocketOfName, IsLostAtTheNextLookAtALineThatIsDown) {
-    CanInterface down = interface_with(kIndex + 1);
-    CanSocket socket(UniqueFd(::socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK, 0)),
-                     UniqueFd(::socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK, 0)), down);
+/// Until an interface was seen to be up, each write looks at it without news from the kernel.
+TEST_F(SocketOfName, IsLostAtAWriteBeforeItWasSeenUp) {
+    CanSocket socket = socket_of(kIndex + 1);
     EXPECT_EQ(write(socket), WriteStatus::lost);
 }
 
