@@ -79,9 +79,9 @@ class Recorded : public Loopback {
         return write_config(main_job(input, "", "[pipeline.main.failsafe]\nrecover = \"0s\"\n") +
                             "[recorder]\ndirectory = \"@recordings\"\n" + recorder);
     }
-    Program& run_service(const std::string& config) {
-        Program& program =
-            start({"run", config}, {.terminal = {}, .runtime_directory = runtime_.path()});
+    Program& run_service(const std::string& config, std::size_t most_file_bytes = 0) {
+        Program& program = start({"run", config}, {.most_file_bytes = most_file_bytes,
+                                                   .runtime_directory = runtime_.path()});
         EXPECT_TRUE(program.says("started")) << program.errors();
         return program;
     }
@@ -268,6 +268,20 @@ TEST_F(Recorded, APlaceThatCannotBeWrittenStopsNothing) {
         << asking.errors();
     EXPECT_EQ(count_of("recorder: cannot write the recording", program.errors()), 1U);
     EXPECT_TRUE(drive({1234}));
+    expect_clean_end(program);
+}
+
+/// The kernel sends SIGXFSZ, which ends a process that does not expect it. The log and half a
+/// second of the servos' frames are shorter and longer than this.
+TEST_F(Recorded, ARecordingBeyondTheLimitOfFileSizesStopsNothing) {
+    Program& program = run_service(config_with(""), 2048);
+    ASSERT_TRUE(drive({1100, 1200, 1300, 1400, 1500, 1600, 1700, 1800, 1900}));
+    Program& asking = request();
+    EXPECT_EQ(asking.end(), 1);
+    EXPECT_NE(asking.errors().find("nothing was recorded: "), std::string::npos);
+    EXPECT_NE(asking.errors().find(": File too large"), std::string::npos) << asking.errors();
+    EXPECT_TRUE(found().empty());
+    EXPECT_TRUE(drive({1345}));
     expect_clean_end(program);
 }
 
