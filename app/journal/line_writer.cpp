@@ -76,7 +76,7 @@ void LineWriter::write(std::string_view line) {
         put_line(fmt::format("({} lost here: there was no room)", counted(lost_, "line")))) {
         lost_ = 0;
     }
-    lost_ += lost_ == 0 && put_line(line) ? 0 : 1;
+    lost_ += lost_ == 0 && put_line(line) ? 0U : 1U;
 }
 
 }  // namespace tribus

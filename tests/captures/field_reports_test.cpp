@@ -30,9 +30,6 @@ void PrintTo(const Report& report, std::ostream* text) {
 }
 
 std::vector<Report> reports() {
-    if (!std::filesystem::is_directory(field_folder())) {
-        return {};
-    }
     const std::string control = "0.507 s  output o: under control of rx\n";
     const std::string cut = "the file ends in this line, as a loss of power leaves it";
     return {
@@ -75,19 +72,29 @@ std::vector<Report> reports() {
          "decode --as f10.toml:bus f10_short.log",
          0,
          {"message M: a frame has 7 bytes, but the DBC file gives it 8; signal X needs byte 2"}},
+        {"f11_damaged_with_frames_inside",
+         "decode --protocol crsf f11_crsf_damaged_frame_with_rc_inside.txt",
+         0,
+         {"20 frames in 900 bytes, 380 bytes skipped, rejected: 20 checksum"}},
         {"optional_signal",
          "simulate can_us/opt.toml --in bus=can_us/opt.log --out servos=/dev/null",
          0,
          {"0.500 s  output servos: under control of bus\n", "1 time into failsafe, 0 recoveries"}},
         {"multiplexed", "check can_us/mi.toml", 0, {"A1 = 2"}},
+        {"multiplexed_simulate",
+         "simulate can_us/mi.toml --in bus=can_us/mx.log",
+         0,
+         {"input bus: 40 bytes, 3 frames, 0 rejected"}},
         {"multiplexed_output", "check can_us/m.toml", 0, {"A0 = 1"}},
     };
 }
 
 class FieldReport : public testing::TestWithParam<Report> {};
-GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(FieldReport);
 
 TEST_P(FieldReport, IsAnsweredAsItsReadmeSays) {
+    if (!std::filesystem::is_directory(field_folder())) {
+        GTEST_SKIP() << field_folder() << " is missing";
+    }
     const Ended ended =
         run_in_shell("cd '" + field_folder().string() + "'; \"$TRIBUS\" " + GetParam().command);
     EXPECT_EQ(ended.status, GetParam().status) << ended.output;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -68,6 +69,13 @@ to = "module"
             return condition();
         });
     }
+    Clock::duration time_of_100_frames(const Bytes& word) {
+        module_.receive();
+        heard_.clear();
+        const auto begin = Clock::now();
+        EXPECT_TRUE(flies_until(word, [&] { return of_type(0x16).size() >= 100; }));
+        return Clock::now() - begin;
+    }
     /// What the status says of the output.
     nlohmann::json told() const {
         const auto status =
@@ -91,17 +99,27 @@ to = "module"
     Clock::time_point word_at_{};
 };
 
+/// A hundred frames at 20 ms take 1.98 s, and on a busy machine longer. At 2 ms they take 0.2 s,
+/// and on a busy machine longer most of the time; at the 4 ms that nobody asked for never less than
+/// 0.39 s.
 TEST_F(HandsetOfAModule, FollowsATimingOf2And20Milliseconds) {
     Program& program = run_handset();
-    for (const microseconds period : {microseconds(2000), microseconds(20000)}) {
-        const Bytes word = timing(period);
-        EXPECT_TRUE(flies_until(word, [&] { return told()["period_us"] == period.count(); }))
-            << program.errors();
-        heard_.clear();
-        EXPECT_TRUE(flies_until(word, [&] { return of_type(0x16).size() >= 100; }));
-        EXPECT_EQ(told()["period_us"], period.count());
+    const auto is_told = [&](microseconds period) {
+        EXPECT_TRUE(flies_until(timing(period), [&] {
+            return told()["period_us"] == period.count();
+        })) << program.errors();
         EXPECT_EQ(told()["module"], "heard");
+    };
+    is_told(milliseconds(2));
+    const auto end = Clock::now() + kPatience;
+    Clock::duration quickest = kPatience;
+    while (quickest >= milliseconds(390) && Clock::now() < end) {
+        quickest = std::min(quickest, time_of_100_frames(timing(milliseconds(2))));
     }
+    EXPECT_LT(quickest, milliseconds(390));
+    is_told(milliseconds(20));
+    EXPECT_GE(time_of_100_frames(timing(milliseconds(20))), milliseconds(1900));
+    is_told(milliseconds(20));
     EXPECT_TRUE(program.says("output module: under control of radio; hears its module"));
     expect_clean_end(program);
 }

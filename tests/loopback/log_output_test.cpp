@@ -1,15 +1,20 @@
+#include <arpa/inet.h>
 #include <fcntl.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <csignal>
-#include <fstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "app/client/ask_daemon.h"
 #include "tests/loopback/loopback.h"
 #include "tests/support/shell.h"
 #include "transports/links/unique_fd.h"
@@ -51,8 +56,10 @@ class LogOutput : public Loopback {
             return count >= enough;
         });
     }
-    /// Control, a loss, control again: the log has lines about each.
+    /// Control, a loss, control again: the log has lines about each. None gets onto a wire.
     void fly(Program& program) {
+        // Before the program has set its port, the kernel echoes what a receiver sends.
+        ASSERT_TRUE(servos_see(false, 1));
         for (int round = 0; round < 2; ++round) {
             ASSERT_TRUE(servos_see(true, 20));
             if (close_reader_) {
@@ -61,7 +68,9 @@ class LogOutput : public Loopback {
             ASSERT_TRUE(servos_see(false, kFramesOfTwoLooks));
             ASSERT_TRUE(program.runs()) << "ended with " << program.end().value_or(-1);
         }
-        // The heap trap waits for room.
+        EXPECT_EQ(servos_.strays(), 0U);
+        EXPECT_EQ(receiver_.receive(), Bytes{});
+        // The heap trap's report at the end is written to the log and waits for room.
         std::array<char, 4096> bytes{};
         while (reader_.valid() && ::read(reader_.get(), bytes.data(), bytes.size()) > 0) {
         }
@@ -102,29 +111,61 @@ TEST_F(LogOutput, ThatReachesTheLimitOfFileSizesStopsNothing) {
     fly(start({"run", config()}, {.most_file_bytes = kFewBytes}));
 }
 
-/// Signals that a process ignores, from /proc/PID/status.
-bool ignores(const Program& program, int signal) {
-    std::ifstream status("/proc/" + std::to_string(program.pid()) + "/status");
-    for (std::string line; std::getline(status, line);) {
-        if (line.starts_with("SigIgn:")) {
-            return (std::stoull(line.substr(7), nullptr, 16) >> (signal - 1) & 1U) != 0;
-        }
+/// How a log can fail: no room, and no reader.
+class LogOfAServer : public LogOutput, public testing::WithParamInterface<const char*> {
+  protected:
+    ProgramSettings settings(const std::string& executable) {
+        const bool pipe = std::string_view(GetParam()) == "a pipe";
+        return {.executable = executable, .errors = pipe ? make_pipe() : "/dev/full"};
     }
-    return false;
+    /// The pipe's reader goes as soon as the log has its first line.
+    void lose_reader() {
+        char byte = 0;
+        EXPECT_TRUE(!reader_.valid() ||
+                    eventually([&] { return ::read(reader_.get(), &byte, 1) == 1; }));
+        close_reader();
+    }
+};
+
+INSTANTIATE_TEST_SUITE_P(Each, LogOfAServer, testing::Values("/dev/full", "a pipe"),
+                         [](const auto& log) {
+                             return std::string(log.index == 0 ? "HasNoRoom" : "HasNoReader");
+                         });
+
+/// A loss is told to the log. The control socket answers afterwards.
+TEST_P(LogOfAServer, LetsTheDaemonAnswer) {
+    Program& program = start({"run", config()}, settings(TRIBUS_PROGRAM));
+    ASSERT_TRUE(servos_see(false, 1));
+    lose_reader();
+    ASSERT_TRUE(servos_see(true, 20));
+    ASSERT_TRUE(servos_see(false, kFramesOfTwoLooks));
+    EXPECT_TRUE(ask_daemon(folder() / "control", "status", std::chrono::seconds(5)));
+    EXPECT_TRUE(program.runs());
 }
 
-TEST_F(LogOutput, EndsNoneOfTheProgramsThatServe) {
-    const std::string socket = folder() / "page";
-    const std::vector<Program*> programs{
-        &start({"run", config()}),
-        &start({"serve", "--listen", socket, "--state", (folder() / "state").string()},
-               {.executable = TRIBUS_WEB}),
-        &start({"run", "--broker", "127.0.0.1:1"}, {.executable = TRIBUS_MQTT})};
-    for (const Program* program : programs) {
-        EXPECT_TRUE(eventually([&] {
-            return ignores(*program, SIGPIPE) && ignores(*program, SIGXFSZ);
-        })) << program->errors();
-    }
+/// Each connection that the broker ends is told to the log; the next one shows that it goes on.
+TEST_P(LogOfAServer, LetsTheMqttProgramConnectAgain) {
+    const UniqueFd broker(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    ASSERT_EQ(::bind(broker.get(), reinterpret_cast<sockaddr*>(&address), size), 0);
+    ASSERT_EQ(::listen(broker.get(), 1), 0);
+    ::getsockname(broker.get(), reinterpret_cast<sockaddr*>(&address), &size);
+    Program& program =
+        start({"run", "--broker", "127.0.0.1:" + std::to_string(ntohs(address.sin_port))},
+              settings(TRIBUS_MQTT));
+    int connections = 0;
+    EXPECT_TRUE(eventually([&] {
+        const UniqueFd connection(::accept(broker.get(), nullptr, nullptr));
+        connections += connection.valid() ? 1 : 0;
+        if (connections == 1 && connection.valid()) {
+            lose_reader();
+        }
+        return connections == 3;
+    })) << connections;
+    EXPECT_TRUE(program.runs());
 }
 
 /// A command that prints results ends when nobody reads them: `head` leaves after a line. The

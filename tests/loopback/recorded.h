@@ -65,9 +65,9 @@ class Recorded : public Loopback {
         return write_config(main_job(input, "", "[pipeline.main.failsafe]\nrecover = \"0s\"\n") +
                             "[recorder]\ndirectory = \"@recordings\"\n" + recorder);
     }
-    Program& run_service(const std::string& config) {
-        Program& program =
-            start({"run", config}, {.terminal = {}, .runtime_directory = runtime_.path()});
+    Program& run_service(const std::string& config, std::size_t most_file_bytes = 0) {
+        Program& program = start({"run", config}, {.most_file_bytes = most_file_bytes,
+                                                   .runtime_directory = runtime_.path()});
         EXPECT_TRUE(program.says("started")) << program.errors();
         return program;
     }

@@ -87,6 +87,20 @@ TEST_F(Recorded, APlaceThatCannotBeWrittenStopsNothing) {
     expect_clean_end(program);
 }
 
+/// The kernel sends SIGXFSZ, which ends a process that does not expect it. The log and half a
+/// second of the servos' frames are shorter and longer than this.
+TEST_F(Recorded, ARecordingBeyondTheLimitOfFileSizesStopsNothing) {
+    Program& program = run_service(config_with(""), 2048);
+    ASSERT_TRUE(drive({1100, 1200, 1300, 1400, 1500, 1600, 1700, 1800, 1900}));
+    Program& asking = request();
+    EXPECT_EQ(asking.end(), 1);
+    EXPECT_NE(asking.errors().find("nothing was recorded: "), std::string::npos);
+    EXPECT_NE(asking.errors().find(": File too large"), std::string::npos) << asking.errors();
+    EXPECT_TRUE(found().empty());
+    EXPECT_TRUE(drive({1345}));
+    expect_clean_end(program);
+}
+
 TEST_F(Recorded, WithoutAPlaceForRecordingsItDoesNotStart) {
     const std::string config = write_config(main_job() + "[recorder]\n");
     Program& program = start({"run", config});

@@ -257,13 +257,18 @@ class ReloadsUnderLoad : public Reload {
         Clock::time_point latest{};
         std::size_t frames = 0;
         bool away = false;
+        bool lost = false;
         EXPECT_TRUE(eventually([&] {
             // A machine that stops this test for so long silences the receiver.
             away = away || Clock::now() - repeater_.latest() >= std::chrono::seconds(4);
             repeater_.send_if_due();
             for (const SbusSight& sight : servos_.listen()) {
                 const bool fresh = sight.good() && sight.raw[0] == sbus_raw(1100);
-                marked_ += fresh || away ? 0U : 1U;
+                const bool wrong = sight.good() && !fresh;
+                marked_ += wrong || (!sight.good() && !away) ? 1U : 0U;
+                // What was lost while it was silent has come back.
+                away = away && !(fresh && lost);
+                lost = !sight.good();
                 longest = frames++ == 0 ? longest : std::max(longest, Gap(sight.seen - latest));
                 latest = sight.seen;
             }

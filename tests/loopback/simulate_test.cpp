@@ -165,6 +165,18 @@ class Simulate : public Loopback {
     }
 };
 
+TEST_F(Simulate, RefusesARecordingWhoseTimesJump) {
+    const std::string recording = folder() / "gap.txt";
+    std::ofstream(recording) << timed_line(0, {0x20}) << timed_line(7000, {0x40})
+                             << timed_line(7'300'000'000, {0x20});
+    Program& program =
+        start({"simulate", write_config(main_job()), "--in", "receiver=" + recording});
+    EXPECT_EQ(program.end(kMinutes), 1);
+    EXPECT_NE(program.errors().find(recording + ":3:1: the times jump by 2.0 hours here"),
+              std::string::npos)
+        << program.errors();
+}
+
 TEST_F(Simulate, MainJobCarriesTheNewestInputThenMarksTheLossThenFailsafe) {
     std::vector<Arrival> inputs;
     std::ofstream file(folder() / "receiver.txt");

@@ -320,7 +320,7 @@ class Reflection : public testing::Test {
                  to_display +
                  "[output.servos]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyB\"\n"
                  "[pipeline.main]\nfrom = \"shore\"\nto = \"servos\"\n" +
-                 Boards::kSilence + "[pipeline.show]\nfrom = \"radio\"\nto = \"display\"\n");
+                 kSilence + "[pipeline.show]\nfrom = \"radio\"\nto = \"display\"\n");
         const Configuration display_has = load(
             "[input.boat]\nprotocol = \"network\"\naddress = \"127.0.0.1:5701\"\n" + to_display +
             "[output.screen]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyC\"\n"

@@ -57,6 +57,7 @@ const Medium kSocketBuses{
     .name = "CAN",
     .shape = WireShape::can_frames,
     .place = {.key = "interface"},
+    .place_absent = "",
     .users = Users::many,
     .is_missing = [](const std::string& /*place*/) { return false; },
     .open = [](const std::string& place,
