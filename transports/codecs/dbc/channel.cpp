@@ -72,7 +72,8 @@ void write_code(const DbcChannel& channel, std::uint64_t code, std::span<std::ui
 }
 
 bool is_code(const DbcChannel& channel, std::uint64_t bits) {
-    return bits == channel.error || bits == channel.not_available;
+    return bits == channel.error || bits == channel.not_available ||
+           bits == channel.usual_not_available;
 }
 
 /// The bits of a value. If they would be a code, such as "error", the bits of the nearest value

@@ -33,7 +33,7 @@ struct DbcChannel {
     /// Raw bits that are no value (J1939: all ones, and one less).
     std::optional<std::uint64_t> not_available{};
     std::optional<std::uint64_t> error{};
-    /// What J1939 uses for "not available", only to name it: the keys above decide.
+    /// The bits that J1939 has for "not available": no value, even without the keys above.
     std::optional<std::uint64_t> usual_not_available{};
     /// A missing value means that the channel is absent, not that the source has failed.
     bool optional = false;

@@ -80,6 +80,10 @@ TEST(DbcEncoder, TheCauseIsItsNumber) {
     EXPECT_EQ(sent(kDrive, kCause, snapshot), (Bytes{0, 0, 0, 0, 0, 0, 4, 0}));
     snapshot.cause = LinkCause::implausible;
     EXPECT_EQ(sent(kDrive, kCause, snapshot), (Bytes{0, 0, 0, 0, 0, 0, 6, 0}));
+    for (const LinkCause not_live : {LinkCause::late, LinkCause::unproved}) {
+        snapshot.cause = not_live;
+        EXPECT_EQ(sent(kDrive, kCause, snapshot), (Bytes{0, 0, 0, 0, 0, 0, 5, 0}));
+    }
 }
 
 TEST(DbcEncoder, FlagsTellTheStateOfTheLink) {

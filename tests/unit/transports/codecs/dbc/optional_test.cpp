@@ -67,6 +67,33 @@ TEST(DbcFault, OfAValueIsForgottenWhenTheFramesAreRefusedForAnotherReason) {
     EXPECT_EQ(fault_of(decoder), "");
 }
 
+/// 255 x 0.4 % would be 102 %, more than full travel, and the file has no range against it.
+TEST(J1939Channel, AllBitsSetIsNoValueAndIsNeverSentAsOne) {
+    const auto map = [](SettingScope scope) {
+        return dbc_map(
+            dbc_settings("BO_ 2365512755 J: 1 A\n SG_ Throttle : 0|8@1+ (0.4,0) [0|0] \"%\" B\n" +
+                             j1939_frames({2365512755}),
+                         R"({"J": {"Throttle": {"channel": 1, "value": [0, 102]}}})", {}),
+            scope);
+    };
+    const std::uint32_t id = 2365512755U & 0x1FFFFFFFU;
+    DbcDecoder decoder(map(SettingScope::input));
+    const auto full = decoder.next(extended_frame(id, {0xFA}), at(0));
+    ASSERT_TRUE(full);
+    EXPECT_TRUE(full->good());
+    const auto none = decoder.next(extended_frame(id, {0xFF}), at(20));
+    ASSERT_TRUE(none);
+    EXPECT_TRUE(none->failsafe);
+    EXPECT_FALSE(none->has(0));
+
+    DbcEncoder encoder(map(SettingScope::output));
+    ChannelFrame most;
+    most.set(0, Pulse::from_microseconds(2000));
+    const CanFrames sent = frames_of(encoder, most, at(0));
+    ASSERT_EQ(sent.size(), 1U);
+    EXPECT_EQ(sent[0].data[0], 0xFE);
+}
+
 /// A name of any length leaves room for the value.
 TEST(DbcFault, NamesAreCutNotTheValue) {
     const std::string name(150, 'x');
