@@ -139,6 +139,17 @@ void StateLog::look_at_unproved(const std::string& name, const InputStatus& stat
     memory.unproved = unproved;
 }
 
+bool StateLog::knows_the_reason(const InputStatus& status) {
+    switch (status.state.cause) {
+        case LinkCause::no_key:
+        case LinkCause::forged:
+        case LinkCause::replayed:
+            return true;
+        default:
+            return status.fault.length > 0;
+    }
+}
+
 /// No signal at the start is the most frequent problem; the received bytes show its cause.
 void StateLog::log_missing_signal(const std::string& name, const InputStatus& status,
                                   const PortPlan& port, InputMemory& memory, Instant now) {
@@ -156,13 +167,20 @@ void StateLog::log_missing_signal(const std::string& name, const InputStatus& st
     } else if (status.counts.frames == 0) {
         const bool on_can = medium.shape == WireShape::can_frames;
         const std::uint64_t count = on_can ? status.rejected : status.counts.bytes;
-        log_warning("input {}: {}{}{}", name,
-                    advice.counts.empty() ? "" : counted(count, advice.counts) + " ",
-                    advice.no_frame, doctor);
+        const std::string came = advice.counts.empty() ? "" : counted(count, advice.counts) + " ";
+        // Where the decoder knows the reason, the usual ones only mislead.
+        if (knows_the_reason(status)) {
+            log_warning("input {}: {}but no frame that counts: {}", name, came,
+                        cause_text(status.state, status.implausible, status.fault.view()));
+        } else {
+            log_warning("input {}: {}{}{}", name, came, advice.no_frame, doctor);
+        }
     } else {
         log_warning("input {}: frames arrive, but {}; {}", name,
                     cause_text(status.state, status.implausible, status.fault.view()),
-                    advice.not_good);
+                    status.state.cause == LinkCause::implausible
+                        ? "\"plausible\" and the scale of the input say what counts"
+                        : advice.not_good);
     }
 }
 

@@ -106,6 +106,7 @@ class StateLog {
                          OutputMemory& memory) const;
     void look_at_drops(const std::string& name, const OutputStatus& status, OutputMemory& memory,
                        Instant now);
+    static bool knows_the_reason(const InputStatus& status);
     static void log_missing_signal(const std::string& name, const InputStatus& status,
                                    const PortPlan& port, InputMemory& memory, Instant now);
 

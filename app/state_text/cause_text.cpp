@@ -135,7 +135,9 @@ ObstacleText obstacle_text(SendObstacle obstacle) {
 }
 
 std::string output_text(const OutputState& state, std::span<const std::string> inputs) {
-    return text_without_hearing(state, inputs) + std::string(hearing_text(state.hearing));
+    const bool gone = state.stage == OutputStage::cannot_send;
+    return text_without_hearing(state, inputs) +
+           std::string(gone ? "" : hearing_text(state.hearing));
 }
 
 std::string by_preset_text(std::uint32_t channels) {

@@ -8,25 +8,29 @@
 namespace tribus {
 namespace {
 
+using namespace std::chrono_literals;
+
 double seconds(Duration duration) {
     return std::chrono::duration<double>(duration).count();
 }
 
-/// "0.2 of 0.5 s".
+/// "0.2 of 0.5 s". What is not over is never told as whole.
 std::string part_of(Duration so_far, Duration needed) {
     constexpr Duration kShort = std::chrono::milliseconds(300);
     constexpr std::int64_t kMsPerSecond = 1000;
     const double whole =
         static_cast<double>(std::chrono::round<std::chrono::milliseconds>(needed).count()) /
         kMsPerSecond;
-    return fmt::format("{:.{}f} of {} s", seconds(so_far), needed < kShort ? 2 : 1, whole);
+    const Duration step = needed < kShort ? 10ms : 100ms;
+    return fmt::format("{:.{}f} of {} s", seconds(so_far / step * step), needed < kShort ? 2 : 1,
+                       whole);
 }
 
 std::string milliseconds(Duration duration) {
     return fmt::format("{} ms", std::chrono::round<std::chrono::milliseconds>(duration).count());
 }
 
-/// The frames of the input that brought no news.
+/// The frames of the input that brought no news, and its latest loss.
 std::string frames_without_news(const OutputWait& wait) {
     std::string text;
     if (wait.marked > 0) {
@@ -35,6 +39,10 @@ std::string frames_without_news(const OutputWait& wait) {
     }
     if (wait.implausible) {
         text += fmt::format("; implausible frames: {}", implausible_text(*wait.implausible));
+    }
+    if (wait.loss.cause != LinkCause::good) {
+        text +=
+            fmt::format("; lost {:.1f} s ago: {}", seconds(wait.loss_age), cause_text(wait.loss));
     }
     return text;
 }

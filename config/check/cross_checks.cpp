@@ -218,8 +218,7 @@ void check_across(const Draft& draft, Reading reading) {
     check_links(draft, reading.mistakes);
     check_dronecan(draft, reading.mistakes);
     check_values(draft, reading);
-    const bool only_values = draft.inputs.empty() && carries_values(draft);
-    if (draft.pipelines.empty() && !only_values) {
+    if (draft.pipelines.empty() && !carries_values(draft)) {
         if (!reading.lost.mentions("pipeline")) {
             reading.mistakes.add(
                 {1, 1},

@@ -18,6 +18,8 @@ constexpr std::int32_t kHandoverSlackEighths = 25 * Pulse::kEighthsPerMicrosecon
 
 /// For this time an implausible frame is named beside what the input waits for.
 constexpr Duration kImplausibleMemory = std::chrono::seconds(1);
+/// For so long a loss says why the proof is not whole.
+constexpr Duration kLossMemory = std::chrono::seconds(10);
 
 /// Median of `values`, which it sorts. The mean of the middle two if their number is even.
 Pulse middle_of(std::span<Pulse> values) {
@@ -326,6 +328,11 @@ OutputWait InputSelector::wait_for(std::size_t place, Instant now, Instant until
         .latest = std::min<std::size_t>(input.counts().frames, LinkSupervisor::kRatioFrames)};
     if (link.implausible().frames > 0 && now - link.implausible().at < kImplausibleMemory) {
         wait.implausible = link.implausible();
+    }
+    if (input.latest_loss().cause != LinkCause::never_seen &&
+        now - input.latest_loss_at() < kLossMemory) {
+        wait.loss = input.latest_loss();
+        wait.loss_age = now - input.latest_loss_at();
     }
     const LinkRun run = link.run(now);
     const Duration needed = proof(voter, link);

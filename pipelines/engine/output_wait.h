@@ -36,6 +36,9 @@ struct OutputWait {
     /// State of that input's link, and what its decoder says of it.
     LinkState link{};
     FaultText fault{};
+    /// The latest loss, if the link is good again and has still to prove itself, and how long ago.
+    LinkState loss{.cause = LinkCause::good};
+    Duration loss_age{};
     /// Frames of that input that brought no news: how many of the latest were marked frame-lost,
     /// and those of the last second with implausible values.
     std::size_t marked = 0;

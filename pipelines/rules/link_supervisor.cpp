@@ -261,8 +261,13 @@ LinkState LinkSupervisor::state_without_frames(Instant now) const {
         return {};
     }
     if (now - latest_bytes_ < settings_.timeout) {
-        return {decoder_ != nullptr ? decoder_->why_garbled() : LinkCause::garbled,
-                RadioLossSign::none,
+        const LinkCause cause = decoder_ != nullptr ? decoder_->why_garbled() : LinkCause::garbled;
+        // The first frame may still be under way, or wait for the one that proves it.
+        const bool begins = !ever_frame_ && now - bytes_since_ < settings_.timeout;
+        if (begins && cause == LinkCause::garbled) {
+            return {};
+        }
+        return {cause, RadioLossSign::none,
                 ever_frame_ ? std::max(bytes_since_, latest_frame_) : bytes_since_};
     }
     return {LinkCause::wire_silent, RadioLossSign::none, latest_bytes_};

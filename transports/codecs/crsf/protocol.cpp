@@ -69,6 +69,7 @@ std::vector<SettingMistake> check_crsf(const SettingValues& settings, SettingSco
     if (baud != nullptr && std::ranges::count(kModuleRates, *baud) == 0) {
         mistakes.push_back({{"baud"},
                             "\"baud\" is " + std::to_string(*baud) +
+                                (std::to_string(*baud) == kDefaultBaud ? ", the default" : "") +
                                 ", but a transmitter module does not look for its handset at this "
                                 "rate; allowed: 115200, 400000, 921600, 1870000, 2250000, 3750000, "
                                 "5250000"});

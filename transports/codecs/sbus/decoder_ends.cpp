@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "transports/codecs/sbus/sbus.h"
 #include "transports/codecs/sbus/sbus24.h"
@@ -93,6 +94,14 @@ bool SbusDecoder::silence(DecodedFrame& frame) {
     }
     buffer_.close();
     return whole;
+}
+
+std::size_t SbusDecoder::write_fault(std::span<char> text) const {
+    const bool wide =
+        !length_shown_ && previous_burst_ != 0 && previous_burst_ % kSbus24FrameLength == 0;
+    const std::string_view told = wide ? kSbus24Text.substr(0, text.size()) : "";
+    std::ranges::copy(told, text.begin());
+    return told.size();
 }
 
 void SbusDecoder::reset() {

@@ -68,6 +68,7 @@ class SbusDecoder final : public ByteDecoder {
     std::span<const NamedCount> rejected() const override { return rejected_; }
     std::uint64_t skipped_bytes() const override { return skipped_bytes_; }
     std::span<const FrameDetail> details() const override;
+    std::size_t write_fault(std::span<char> text) const override;
 
   private:
     /// `expecting`: the next byte is in the place of a frame, as in `locked`, but the frame may be

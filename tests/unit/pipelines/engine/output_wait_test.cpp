@@ -1,10 +1,13 @@
 #include "pipelines/engine/output_wait.h"
 
+#include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "app/state_text/cause_text.h"
 #include "app/state_text/wait_text.h"
 #include "tests/unit/pipelines/engine/engine_bench.h"
 
@@ -60,6 +63,36 @@ TEST(OutputWait, names_the_share_of_frames_that_are_marked_frame_lost) {
     sbus_run(bench, 10ms, 310ms, 5);
     EXPECT_EQ(awaited(bench, 312ms),
               "radio: good for 0.3 of 0.5 s; 6 of its latest 30 frames marked frame-lost");
+}
+
+/// A rule hits each 120 ms, so the link never proves itself.
+TEST(OutputWait, names_the_loss_that_began_the_proof_anew) {
+    Bench bench(list(sbus_input({{.channel = 0, .above = us(1900)}})),
+                list(sbus_output({0}, proof_of(500ms))));
+    for (int number = 1; number <= 50; ++number) {
+        bench.sbus(0, at(number * 10ms), us(number % 12 == 0 ? 1950 : 1500), false, false);
+    }
+    EXPECT_EQ(awaited(bench, 505ms),
+              "radio: good for 0.0 of 0.5 s; lost 0.0 s ago: radio lost (a failsafe_when rule says "
+              "so)");
+}
+
+TEST(OutputWait, is_for_a_first_frame_until_bytes_without_one_have_come_for_the_timeout) {
+    Bench bench(list(ibus_input()), list(sbus_output({0})));
+    const std::array<std::uint8_t, 1> noise{0x55};
+    for (Duration when = 1ms; when < 200ms; when += 20ms) {
+        bench.loop().receive(input_station(0), noise, at(when));
+    }
+    EXPECT_EQ(awaited(bench, 90ms), "radio: never seen");
+    EXPECT_EQ(awaited(bench, 190ms), "radio: garbled (bytes, but no frames)");
+}
+
+TEST(OutputText, says_nothing_of_a_module_whose_device_is_gone) {
+    OutputState state;
+    state.stage = OutputStage::cannot_send;
+    state.obstacle = SendObstacle::device;
+    state.hearing = Hearing::unreadable;
+    EXPECT_EQ(output_text(state, kNames), "cannot send: its device is gone");
 }
 
 TEST(OutputWait, names_the_value_that_is_not_plausible) {
@@ -141,7 +174,7 @@ TEST(OutputWait, is_not_for_an_input_without_a_good_frame_where_another_has_some
         bench.sbus(0, at(when), us(1500), when >= 50ms, false);
         bench.ibus(1, at(when + 1ms), us(1500));
     }
-    EXPECT_EQ(awaited(bench, 300ms), "backup: good for 0.3 of 0.5 s");
+    EXPECT_EQ(awaited(bench, 300ms), "backup: good for 0.2 of 0.5 s");
 }
 
 TEST(OutputWait, is_not_for_another_node_where_that_does_not_matter) {

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "tests/support/sbus_frames.h"
@@ -148,6 +149,26 @@ TEST(Sbus24, NoEndOfAStreamOf16IsTakenForIt) {
         EXPECT_EQ(found + (decoder.finish() ? 1 : 0), static_cast<std::size_t>(frame));
         EXPECT_EQ(between_pauses({stream}).size(), static_cast<std::size_t>(frame));
     }
+}
+
+TEST(Sbus24, IsNamedByTheDecoderWhileTheLineHasIt) {
+    SbusDecoder decoder;
+    const auto fault = [&decoder] {
+        std::array<char, 160> text{};
+        return std::string(text.data(), decoder.write_fault(text));
+    };
+    const auto hear = [&decoder](const Bytes& burst) {
+        feed(decoder, burst);
+        DecodedFrame frame;
+        while (decoder.silence(frame)) {
+        }
+    };
+    EXPECT_EQ(fault(), "");
+    hear(frame_of({}));
+    EXPECT_EQ(fault(), kSbus24Text);
+    hear(from_hex(kHundreds));
+    hear(from_hex(kHundreds));
+    EXPECT_EQ(fault(), "");
 }
 
 TEST(Sbus24, FramesOf16CountAgainWhenTheReceiverIsSetToThem) {
