@@ -14,8 +14,6 @@ namespace {
 
 using namespace screen;
 
-constexpr std::size_t kNameWidth = 12;
-
 std::string words(std::string text) {
     std::ranges::replace(text, '_', ' ');
     return text;
@@ -68,8 +66,8 @@ std::string input_line(const Json& input, bool selected, bool old, const ScreenS
     const std::string state = status_fields::text(input, "state");
     line.add(selected ? "> " : "  ", kBold);
     line.add(padded(status_fields::text(input, "name"), kNameWidth), selected ? kBold : "");
-    line.add(padded(status_fields::text(input, "protocol"), 8), kDim);
-    line.add(padded(input_state(input), 22), old ? kDim : colour_of(state));
+    line.add(padded(status_fields::text(input, "protocol"), kProtocolWidth), kDim);
+    line.add(padded(input_state(input), kStateWidth), old ? kDim : colour_of(state));
     line.add(rate(input));
     const auto age = status_fields::number(input, "age_us");
     line.add("  age " + (age ? short_duration(us_of(input, "age_us")) : std::string("-")));
@@ -100,8 +98,8 @@ std::string output_line(const Json& output, bool selected, bool old, const Scree
     Line line(style);
     line.add(selected ? "> " : "  ", kBold);
     line.add(padded(status_fields::text(output, "name"), kNameWidth), selected ? kBold : "");
-    line.add(padded(status_fields::text(output, "protocol"), 8), kDim);
-    line.add(padded(output_state(output), 22),
+    line.add(padded(status_fields::text(output, "protocol"), kProtocolWidth), kDim);
+    line.add(padded(output_state(output), kStateWidth),
              old ? kDim : colour_of(status_fields::text(output, "state")));
     if (const std::string awaited = awaited_text(output); !awaited.empty()) {
         line.add(awaited + "  ", old ? kDim : "");

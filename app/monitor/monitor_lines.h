@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -11,6 +12,11 @@
 namespace tribus::monitor {
 
 using status_fields::Json;
+
+/// Columns of a line of an input or output.
+inline constexpr std::size_t kNameWidth = 12;
+inline constexpr std::size_t kProtocolWidth = 8;
+inline constexpr std::size_t kStateWidth = 22;
 
 /// A duration in microseconds; 0 if the field is missing.
 Duration us_of(const Json& object, const char* key);

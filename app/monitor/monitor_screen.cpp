@@ -213,6 +213,19 @@ void add_items(Body& body, const MonitorView& view, const ScreenStyle& style) {
              [&](const Json& item) { return output_line(item, index++ == selected, old, style); });
 }
 
+/// Tells what the selected output waits for, where its own line cuts that.
+void add_awaited(Body& body, const MonitorView& view, const ScreenStyle& style) {
+    constexpr std::size_t kBefore = 2 + kNameWidth + kProtocolWidth + kStateWidth;
+    const Json* output = compared(view).after;
+    const std::string awaited = output == nullptr ? "" : awaited_text(*output);
+    if (kBefore + awaited.size() <= style.columns) {
+        return;
+    }
+    for (std::string& line : wrapped(awaited, stale(view) ? kDim : "", style)) {
+        body.push_back({std::move(line)});
+    }
+}
+
 void add_surroundings(Body& body, const MonitorView& view, const ScreenStyle& style) {
     add_part(body, {"PORTS", "port"}, status_fields::list(view.status, "ports"), style,
              [&](const Json& item) { return port_line(item, style); });
@@ -235,6 +248,7 @@ ScreenLayout layout_of(const MonitorView& view, const ScreenStyle& style) {
     }
     layout.room = rows - layout.head.size();
     add_items(layout.body, view, style);
+    add_awaited(layout.body, view, style);
     add_channels(layout.body, view, style);
     add_surroundings(layout.body, view, style);
     return layout;
