@@ -44,7 +44,7 @@ std::size_t SbusDecoder::after_slots(std::size_t start) const {
     return position;
 }
 
-SbusDecoder::Judgement SbusDecoder::judge(std::size_t start) const {
+inline SbusDecoder::Judgement SbusDecoder::judge(std::size_t start) const {
     const std::size_t size = buffer_.size();
     const auto no_header = [&](std::size_t position) {
         return position < size && (buffer_[position] != kHeader || buffer_.damaged(position));
@@ -72,6 +72,10 @@ SbusDecoder::Judgement SbusDecoder::judge(std::size_t start) const {
         return {Verdict::undecided, wanted(behind)};
     }
     return {well_formed(behind) ? Verdict::yes : Verdict::no};
+}
+
+SbusDecoder::Judgement SbusDecoder::judge_front() const {
+    return judge(0);
 }
 
 void SbusDecoder::skip(std::size_t count) {

@@ -23,7 +23,7 @@ SbusDecoder::Step SbusDecoder::step_expecting() {
         skip(kSbus24FrameLength);
         return Step::again;
     }
-    const Judgement here = judge(0);
+    const Judgement here = judge_front();
     if (here.verdict == Verdict::undecided) {
         return buffer_.see(here.wanted) ? Step::again : Step::wait;
     }

@@ -127,6 +127,7 @@ class SbusDecoder final : public ByteDecoder {
     bool last_frame_at(std::size_t start) const;
     std::size_t after_slots(std::size_t start) const;
     Judgement judge(std::size_t start) const;
+    Judgement judge_front() const;
     int likeness(std::size_t start) const;
 
     Step step();
