@@ -221,13 +221,6 @@ inline void SbusDecoder::read_frame(Wire wire, Instant received, DecodedFrame& f
     }
 }
 
-void SbusDecoder::damaged_byte() {
-    const bool behind_header =
-        state_ == State::unlocked && buffer_.size() != 0 && buffer_.size() < kSbusFrameLength;
-    buffer_.append_damaged(!behind_header);
-    ++rejected_[kDamaged].count;
-}
-
 inline SbusDecoder::Step SbusDecoder::step() {
     if (!buffer_.see(1)) {
         return Step::wait;

@@ -7,8 +7,8 @@
 #include "transports/codecs/sbus/sbus24.h"
 #include "transports/codecs/sbus/wire.h"
 
-/// What the SBUS decoder does when the line pauses or is unplugged, or a recording ends, and how it
-/// tells frames of 24 channels.
+/// What the SBUS decoder does when the line pauses, damages a byte or is unplugged, or a recording
+/// ends, and how it tells frames of 24 channels.
 namespace tribus {
 
 using namespace sbus_wire;
@@ -102,6 +102,13 @@ std::size_t SbusDecoder::write_fault(std::span<char> text) const {
     const std::string_view told = wide ? kSbus24Text.substr(0, text.size()) : "";
     std::ranges::copy(told, text.begin());
     return told.size();
+}
+
+void SbusDecoder::damaged_byte() {
+    const bool behind_header =
+        state_ == State::unlocked && buffer_.size() != 0 && buffer_.size() < kSbusFrameLength;
+    buffer_.append_damaged(!behind_header);
+    ++rejected_[kDamaged].count;
 }
 
 void SbusDecoder::reset() {

@@ -167,11 +167,12 @@ TEST_F(MonitorScreen, ShowsAllThatTheSelectedOutputWaitsForOn40Columns) {
     view_.status["outputs"][0]["state"] = "failsafe";
     view_.status["outputs"][0]["waits_for"] =
         "main: good for 0.2 of 0.5 s; 13 of its latest 100 frames marked frame-lost";
+    style_.columns = 200;
     EXPECT_FALSE(shows("\nwaits for main")) << "the line of the output has room for it";
     style_ = {.columns = 40, .rows = 24, .unicode = false, .colour = false};
     EXPECT_TRUE(
-        shows("\nwaits for main: good for 0.2 of 0.5 s; 13\nof its latest 100 frames marked\n"
-              "frame-lost\n"))
+        shows("\nwaits for main: good for 0.2 of 0.5 s;\n"
+              "13 of its latest 100 frames marked\nframe-lost\n"))
         << plain();
 }
 
