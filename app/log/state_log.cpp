@@ -168,7 +168,7 @@ void StateLog::log_missing_signal(const std::string& name, const InputStatus& st
         const bool on_can = medium.shape == WireShape::can_frames;
         const std::uint64_t count = on_can ? status.rejected : status.counts.bytes;
         const std::string came = advice.counts.empty() ? "" : counted(count, advice.counts) + " ";
-        // Where the decoder knows the reason, the usual ones only mislead.
+        // The usual reasons mislead where the decoder knows the right one.
         if (knows_the_reason(status)) {
             log_warning("input {}: {}but no frame that counts: {}", name, came,
                         cause_text(status.state, status.implausible, status.fault.view()));

@@ -30,8 +30,8 @@ std::string milliseconds(Duration duration) {
     return fmt::format("{} ms", std::chrono::round<std::chrono::milliseconds>(duration).count());
 }
 
-/// The frames of the input that brought no news, and its latest loss.
-std::string frames_without_news(const OutputWait& wait) {
+/// Names the frames of the input that brought no news, and its latest loss.
+std::string trouble_text(const OutputWait& wait) {
     std::string text;
     if (wait.marked > 0) {
         text += fmt::format("; {} of its latest {} marked frame-lost", wait.marked,
@@ -77,12 +77,12 @@ std::string lack_text(const OutputWait& wait) {
         case Awaited::good_frame:
             return fmt::format("a good frame, the latest is {} old of at most {}",
                                milliseconds(wait.so_far), milliseconds(wait.needed)) +
-                   frames_without_news(wait);
+                   trouble_text(wait);
         case Awaited::run_time:
-            return "good for " + part_of(wait.so_far, wait.needed) + frames_without_news(wait);
+            return "good for " + part_of(wait.so_far, wait.needed) + trouble_text(wait);
         case Awaited::run_frames:
             return fmt::format("{} of {} good frames", wait.frames, wait.needed_frames) +
-                   frames_without_news(wait);
+                   trouble_text(wait);
         case Awaited::votes:
             return "outvoted by the others";
         default:

@@ -127,8 +127,8 @@ void Input::judge(Instant now) {
     const LinkState fresh = supervisor_.state(now);
     if (fresh.cause != ongoing_.state.cause) {
         ++ongoing_.counts.began[static_cast<std::size_t>(fresh.cause)];
-        ongoing_.lost = fresh.cause == LinkCause::good ? ongoing_.state : fresh;
-        ongoing_.lost_until = now;
+        ongoing_.loss = fresh.cause == LinkCause::good ? ongoing_.loss : fresh;
+        ongoing_.loss_at = now;
     }
     ongoing_.state = fresh;
 }

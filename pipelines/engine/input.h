@@ -105,9 +105,9 @@ class Input {
     /// State of the link at the latest frame or call of `look`.
     const LinkState& state() const { return ongoing_.state; }
     /// The latest loss of the link. `good`: there was none.
-    const LinkState& latest_loss() const { return ongoing_.lost; }
+    const LinkState& latest_loss() const { return ongoing_.loss; }
     /// When that began or ended, whichever is later.
-    Instant latest_loss_at() const { return ongoing_.lost_until; }
+    Instant latest_loss_at() const { return ongoing_.loss_at; }
     /// What its decoder says of frames that do not count, if it is the decoder that refuses them or
     /// marks them failsafe. Empty: it says nothing.
     FaultText fault() const;
@@ -141,8 +141,8 @@ class Input {
         ReadTimes read_times{};
         LinePauses pauses;
         LinkState state{};
-        LinkState lost{.cause = LinkCause::good};
-        Instant lost_until{};
+        LinkState loss{.cause = LinkCause::good};
+        Instant loss_at{};
         ChannelFrame latest{};
         ArrivalClock arrivals{};
         InputCounts counts{};

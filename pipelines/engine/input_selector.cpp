@@ -329,8 +329,7 @@ OutputWait InputSelector::wait_for(std::size_t place, Instant now, Instant until
     if (link.implausible().frames > 0 && now - link.implausible().at < kImplausibleMemory) {
         wait.implausible = link.implausible();
     }
-    if (input.latest_loss().cause != LinkCause::never_seen &&
-        now - input.latest_loss_at() < kLossMemory) {
+    if (now - input.latest_loss_at() < kLossMemory) {
         wait.loss = input.latest_loss();
         wait.loss_age = now - input.latest_loss_at();
     }

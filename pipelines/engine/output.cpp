@@ -305,7 +305,7 @@ void Output::run(Instant now, std::span<const Input> inputs) {
     if (made && !selector_.inputs().empty()) {
         const std::size_t judged_input = selector_.current().value_or(selector_.inputs().front());
         frame.cause = inputs[judged_input].state().cause;
-        if (frame.cause == LinkCause::good && ongoing_.stage != OutputStage::control) {
+        if (ongoing_.stage != OutputStage::control && frame.cause == LinkCause::good) {
             frame.cause = LinkCause::unproved;
         }
         if (!frame.has_first(kChannelCount)) {

@@ -36,7 +36,7 @@ struct OutputWait {
     /// State of that input's link, and what its decoder says of it.
     LinkState link{};
     FaultText fault{};
-    /// The latest loss, if the link is good again and has still to prove itself, and how long ago.
+    /// Its loss within the last 10 s, and how long ago that was. `good`: there was none.
     LinkState loss{.cause = LinkCause::good};
     Duration loss_age{};
     /// Frames of that input that brought no news: how many of the latest were marked frame-lost,

@@ -9,7 +9,7 @@
 
 #include "tests/loopback/recorded.h"
 
-/// What a daemon that crashed or was killed has left for its recorder.
+/// A daemon that crashed or was killed leaves rings and a plan for its next recorder.
 namespace tribus::test::recorder_left_test {
 namespace {
 

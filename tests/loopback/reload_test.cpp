@@ -266,7 +266,7 @@ class ReloadsUnderLoad : public Reload {
                 const bool fresh = sight.good() && sight.raw[0] == sbus_raw(1100);
                 const bool wrong = sight.good() && !fresh;
                 marked_ += wrong || (!sight.good() && !away) ? 1U : 0U;
-                // What was lost while it was silent has come back.
+                // The values that did not come while it was silent come again.
                 away = away && !(fresh && lost);
                 lost = !sight.good();
                 longest = frames++ == 0 ? longest : std::max(longest, Gap(sight.seen - latest));

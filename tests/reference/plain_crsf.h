@@ -99,8 +99,8 @@ inline std::vector<std::uint8_t> plain_crsf(std::uint8_t address, std::uint8_t t
     return frame;
 }
 
-/// What a module says of its timing, in 0.1 us. Modules of ExpressLRS 4 begin with C8 (ExpressLRS
-/// commit 60013c7e7), others with EA.
+/// The word of a module about its timing, in 0.1 us. Modules of ExpressLRS 4 begin with C8
+/// (ExpressLRS commit 60013c7e7), others with EA.
 inline std::vector<std::uint8_t> plain_crsf_timing(std::uint32_t period, std::int32_t offset,
                                                    std::uint8_t address = 0xEA) {
     std::vector<std::uint8_t> payload{0xEA, 0xEE, 0x10};

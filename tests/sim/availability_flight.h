@@ -50,7 +50,7 @@ inline bool in_an_outage(std::size_t receiver, Instant at) {
 
 enum class Sent : std::uint8_t { good, marked, missing, implausible };
 
-/// What becomes of the frame with that number, sent at that time.
+/// Tells what becomes of the frame with that number, sent at that time.
 using Quality = std::function<Sent(std::uint32_t number, Instant at, std::mt19937& random)>;
 
 struct Receiver {
@@ -85,7 +85,7 @@ inline std::string job(const Case& one) {
                       from, one.mode);
 }
 
-/// Of one output, beside the plain rule.
+/// The control of one output, beside that of the plain rule.
 struct Availability {
     /// After the start, and after each outage.
     std::vector<std::optional<Duration>> to_control;

@@ -28,6 +28,14 @@ TEST(FollowOn, WithoutAnyPipelineInputsAndOutputsAreNotCalledUnused) {
     EXPECT_EQ(places(text.substr(0, text.find("[pipeline.main]"))), Lines{"1:1"});
 }
 
+/// A sensor bus needs no pipeline, so the input is what is wrong.
+TEST(FollowOn, BesideWhatNeedsNoPipelineAnUnusedInputIsNamed) {
+    EXPECT_EQ(mistakes_in("[input.rx]\nprotocol = \"ibus\"\ndevice = \"/dev/ttyA\"\n"
+                          "[sensor_bus.bus]\ndevice = \"/dev/ttyB\"\nrole = \"receiver\"\n"),
+              Lines{"t.toml:1:8: input \"rx\" feeds no pipeline, so it would have no effect; name "
+                    "it in the \"from\" of a pipeline, or leave it out"});
+}
+
 TEST(FollowOn, TwoInputsMayNotShareADeviceAndTheMessageNamesBothPlaces) {
     EXPECT_EQ(mistakes_in(R"([input.a]
 protocol = "ibus"

@@ -67,7 +67,7 @@ const Medium kSocketBuses{
 
 class StateLogOfMessages : public testing::Test {
   protected:
-    StateLogOfMessages() {
+    explicit StateLogOfMessages(const std::string& timeout = "10s") {
         std::array<int, 2> ends{};
         EXPECT_EQ(::socketpair(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK, 0, ends.data()), 0);
         node_ = UniqueFd(ends[0]);
@@ -76,9 +76,10 @@ class StateLogOfMessages : public testing::Test {
                       "BO_ 256 M: 2 A\n SG_ Steer : 0|16@1+ (1,0) [800|2200] \"us\" B\n");
         Configuration configuration =
             load_configuration(
-                "[input.bus]\nprotocol = \"dbc\"\ninterface = \"can0\"\ntimeout = \"10s\"\n"
-                "dbc = \"bus.dbc\"\nsignals.M.Steer = 1\n"
-                "[output.servos]\nprotocol = \"sbus\"\ndevice = \"" +
+                "[input.bus]\nprotocol = \"dbc\"\ninterface = \"can0\"\ntimeout = \"" + timeout +
+                    "\"\n"
+                    "dbc = \"bus.dbc\"\nsignals.M.Steer = 1\n"
+                    "[output.servos]\nprotocol = \"sbus\"\ndevice = \"" +
                     servos_.path() +
                     "\"\n[pipeline.main]\nfrom = \"bus\"\nto = \"servos\"\n"
                     "[runtime]\nrealtime = \"off\"\n",
@@ -117,6 +118,21 @@ TEST_F(StateLogOfMessages, NamesTheSignalWithoutAValueInsteadOfTheReceiver) {
     receive(standard_frame(256, {0xB8, 0x0B}), LinkCause::radio_lost, Instant(2s));
     EXPECT_EQ(said("input bus: "),
               "input bus: radio lost (message M, signal Steer: 3000 is outside of [800|2200])\n");
+}
+
+class StateLogOfFramesThatNeverCount : public StateLogOfMessages {
+  protected:
+    StateLogOfFramesThatNeverCount() : StateLogOfMessages("1s") {}
+};
+
+/// Not that sender and receiver must agree on format, id and bit rate: that they do.
+TEST_F(StateLogOfFramesThatNeverCount, NamesWhatTheDecoderKnowsInsteadOfTheUsualReasons) {
+    receive(standard_frame(256, {0xDC}), LinkCause::garbled, Instant(3s));
+    const std::string text = said("input bus: ");
+    EXPECT_NE(text.find("but no frame that counts: garbled (message M: a frame has 1 bytes"),
+              std::string::npos)
+        << text;
+    EXPECT_EQ(text.find("must agree"), std::string::npos) << text;
 }
 
 }  // namespace

@@ -60,7 +60,7 @@ Duration scaled(Duration duration, double factor) {
     return Duration(static_cast<std::int64_t>(static_cast<double>(duration.count()) * factor));
 }
 
-/// What a module says of its timing: numbers of 0.1 us, high byte first.
+/// The word of a module about its timing: numbers of 0.1 us, high byte first.
 Bytes timing(std::int64_t period, std::int64_t later) {
     Bytes payload{0xEA, 0xEE, 0x10};
     for (const std::int64_t number : {period, later}) {
