@@ -12,6 +12,7 @@
 #include "app/cli/object_text.h"
 #include "app/state_text/cause_text.h"
 #include "app/state_text/wait_text.h"
+#include "app/status/json_fields.h"
 #include "app/status/metrics_text.h"
 #include "app/status/sensor_bus_json.h"
 #include "config/schema/choices.h"
@@ -115,7 +116,7 @@ OrderedJson losses(const InputCounts& counts) {
 OrderedJson input_json(const InputConfig& config, const InputReport& input, Instant now) {
     const InputStatus& status = input.status;
     const InputCounts& counts = status.counts;
-    OrderedJson json;
+    JsonFields json;
     json["name"] = config.name;
     json["protocol"] = config.protocol->name;
     json["port"] = config.port.device;
@@ -141,7 +142,7 @@ OrderedJson input_json(const InputConfig& config, const InputReport& input, Inst
     json["rejected"] = rejected(input);
     json["losses"] = losses(counts);
     json["frame_age"] = distribution(input.frame_age);
-    return json;
+    return json.take();
 }
 
 OrderedJson names_of(std::span<const std::size_t> inputs, const Configuration& configuration) {
@@ -204,7 +205,7 @@ OrderedJson output_json(std::size_t index, const OutputReport& output, const Sta
     const Configuration& configuration = *report.configuration;
     const OutputConfig& config = configuration.outputs[index];
     const OutputStatus& status = output.status;
-    OrderedJson json;
+    JsonFields json;
     json["name"] = config.name;
     json["protocol"] = config.protocol->name;
     json["port"] = config.port.device;
@@ -245,7 +246,7 @@ OrderedJson output_json(std::size_t index, const OutputReport& output, const Sta
     json["changeovers"] = status.counts.changeovers;
     json["lateness"] = distribution(output.lateness);
     json["latency"] = distribution(output.latency);
-    return json;
+    return json.take();
 }
 
 OrderedJson can_json(const PortReport& port) {
