@@ -80,6 +80,8 @@ class Appliance {
     /// Devices that did not exist at the start and are waited for, in sentences. Only with
     /// `wait_for_absent`.
     const std::vector<std::string>& waits_for() const { return waits_for_; }
+    /// Why the data thread has ended by itself, as a sentence. Empty: it runs.
+    std::string data_thread_failure() const { return thread_->failure(); }
     /// When the data thread last published its figures.
     Instant figures_at() const { return loop_->published_at(); }
     /// Periods in which this program did not run.

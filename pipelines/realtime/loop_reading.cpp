@@ -153,11 +153,12 @@ void Loop::hand_on_can(const PortWiring& wiring) {
     }
 }
 
-void Loop::end_quiet(Port& port) {
+void Loop::end_quiet(std::size_t index) {
+    Port& port = ports_[index];
     if (port.quiet_until != kNever) {
         port.quiet_until = kNever;
         --quiet_ports_;
-        set_watched(*port.place, true);
+        set_watched(index, true);
     }
 }
 
@@ -166,14 +167,14 @@ void Loop::read_port(std::size_t index, Instant now) {
     if (!port.link) {
         return;
     }
-    end_quiet(port);
+    end_quiet(index);
     ByteLink* bytes = port.link->as_bytes();
     const ReadStatus status = bytes != nullptr ? read_bytes(index, *bytes, now)
                                                : read_can(port.wiring, *port.link->as_can(), now);
     if (status == ReadStatus::lost) {
         lose(port);
     } else if (bytes != nullptr && reception_.full) {
-        watch_again(port);
+        watch_again(index);
     }
 }
 
@@ -218,18 +219,19 @@ ReadStatus Loop::catch_up_on_bytes(const PortWiring& wiring, ByteLink& link, Ins
         ++absence_.count;
         absence_.latest = late_by_;
     }
-    for (Port& port : ports_) {
+    for (std::size_t index = 0; index < ports_.size(); ++index) {
+        Port& port = ports_[index];
         if (!port.link) {
             continue;
         }
-        end_quiet(port);
+        end_quiet(index);
         ReadStatus status = ReadStatus::nothing;
         if (CanLink* can = port.link->as_can()) {
             status = read_can(port.wiring, *can, now);
         } else if (wants_bytes(port.wiring.stations)) {
             status = catch_up_on_bytes(port.wiring, *port.link->as_bytes(), since, now);
             if (reception_.full) {
-                watch_again(port);
+                watch_again(index);
             }
         }
         if (status == ReadStatus::lost) {
