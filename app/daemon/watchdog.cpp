@@ -1,52 +1,71 @@
 #include "app/daemon/watchdog.h"
 
+#include <algorithm>
+
 namespace tribus {
 namespace {
 
 /// The data thread publishes several times a second even if it has nothing else to do. A longer gap
 /// than this is no mere delay on a busy machine.
 constexpr Duration kFigureLife = std::chrono::seconds(1);
+/// Two and a half times the usual distance of two looks. In a longer pause this thread did not run,
+/// and perhaps no other.
+constexpr Duration kLongestPause = std::chrono::milliseconds(500);
 
 }  // namespace
 
 void Watchdog::restart() {
-    published_.reset();
+    looked_at_.reset();
+    watched_.reset();
+    judged_.reset();
     outputs_.clear();
     punctuality_ = Punctuality::on_time;
 }
 
-Punctuality Watchdog::judge(Instant now, Instant published,
-                            std::span<const OutputProgress> outputs) {
-    if (now - published > kFigureLife) {
+void Watchdog::watch(Instant now, Instant published) {
+    const bool waits = watched_ == published && looked_at_;
+    watched_for_ =
+        waits ? watched_for_ + std::min(now - *looked_at_, kLongestPause) : Duration::zero();
+    watched_ = published;
+    looked_at_ = now;
+}
+
+Punctuality Watchdog::judge(Instant published, std::span<const OutputProgress> outputs) {
+    if (watched_for_ > kFigureLife) {
         return Punctuality::data_thread_stands;
     }
-    if (published_ == published) {
+    if (judged_ == published) {
         return punctuality_;
     }
-    const bool comparable = published_ && outputs_.size() == outputs.size();
-    const Duration window = comparable ? published - *published_ : Duration::zero();
+    const bool comparable = judged_ && outputs_.size() == outputs.size();
+    const Duration window = comparable ? published - *judged_ : Duration::zero();
+    outputs_.resize(outputs.size());
     Punctuality judged = Punctuality::on_time;
-    for (std::size_t i = 0; i < outputs.size() && judged == Punctuality::on_time; ++i) {
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
         const OutputProgress& output = outputs[i];
         // The data thread does all that is due before it publishes.
         const bool skipped = later(output.due, output.period) < published;
-        const auto missed = comparable ? output.overruns - outputs_[i].overruns : 0;
+        const auto missed = comparable ? output.overruns - outputs_[i].progress.overruns : 0;
         const bool misses_half = missed > 0 && static_cast<double>(missed) * 2.0 *
                                                        static_cast<double>(output.period.count()) >
                                                    static_cast<double>(window.count());
-        if (skipped || misses_half) {
+        // A stop of the whole program makes an output miss its turns once, not twice in a row.
+        const bool late = skipped || (misses_half && outputs_[i].missed_half);
+        if (late && judged == Punctuality::on_time) {
             judged = Punctuality::output_late;
             late_output_ = i;
         }
+        outputs_[i] = {output, misses_half};
     }
-    published_ = published;
-    outputs_.assign(outputs.begin(), outputs.end());
+    judged_ = published;
     return judged;
 }
 
 bool Watchdog::look(Instant now, Instant published, std::span<const OutputProgress> outputs) {
-    punctuality_ = judge(now, published, outputs);
-    if (punctuality_ != Punctuality::on_time || now < next_notification_) {
+    watch(now, published);
+    punctuality_ = judge(published, outputs);
+    const bool is_fresh = now - published <= kFigureLife;
+    if (punctuality_ != Punctuality::on_time || !is_fresh || now < next_notification_) {
         return false;
     }
     // sd_watchdog_enabled(3) recommends half of the time.

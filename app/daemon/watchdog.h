@@ -27,7 +27,8 @@ enum class Punctuality : std::uint8_t {
 /// Decides whether the service manager may be told that all is well: only while the data thread
 /// runs and each output makes its frames on time. An output that sends nothing, because its
 /// failsafe is silence or because the port takes nothing, still counts as on time: a restart would
-/// not help. Pure; thread-bound.
+/// not help. Only what it could see counts: not the time before the first look, nor that in which
+/// the whole program stood. Pure; thread-bound.
 class Watchdog {
   public:
     /// `limit`: the service manager restarts the program after so long without notification.
@@ -46,12 +47,20 @@ class Watchdog {
     std::size_t late_output() const { return late_output_; }
 
   private:
-    Punctuality judge(Instant now, Instant published, std::span<const OutputProgress> outputs);
+    struct Seen {
+        OutputProgress progress{};
+        bool missed_half = false;  ///< of its turns before the latest publication
+    };
+    void watch(Instant now, Instant published);
+    Punctuality judge(Instant published, std::span<const OutputProgress> outputs);
 
     Duration limit_;
     Instant next_notification_{};
-    std::optional<Instant> published_;
-    std::vector<OutputProgress> outputs_;
+    std::optional<Instant> looked_at_;
+    std::optional<Instant> watched_;  ///< the publication that the latest look found
+    Duration watched_for_{};
+    std::optional<Instant> judged_;
+    std::vector<Seen> outputs_;
     Punctuality punctuality_ = Punctuality::on_time;
     std::size_t late_output_ = 0;
 };

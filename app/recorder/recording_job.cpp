@@ -5,6 +5,8 @@
 #include <exception>
 #include <utility>
 
+#include "transports/links/start_thread.h"
+
 namespace tribus {
 namespace {
 
@@ -57,11 +59,7 @@ std::unique_ptr<RecordingJob> RecordingJob::start(Prepare prepare) {
 }
 
 void RecordingJob::start_thread() {
-    pthread_attr_t attributes;
-    ::pthread_attr_init(&attributes);
-    ::pthread_attr_setstacksize(&attributes, kStackBytes);
-    const int error = ::pthread_create(&thread_, &attributes, &RecordingJob::main, this);
-    ::pthread_attr_destroy(&attributes);
+    const int error = tribus::start_thread(thread_, kStackBytes, &RecordingJob::main, this);
     started_ = error == 0;
     if (error != 0) {
         result_ = tl::unexpected(std::string("cannot create a thread: ") + std::strerror(error));

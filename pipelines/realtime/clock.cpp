@@ -10,6 +10,8 @@ namespace tribus {
 
 namespace {
 
+static_assert(sizeof(std::time_t) >= 8, "a time of 32 bits ends in 2038: -D_TIME_BITS=64");
+
 class FollowedClock final : public WallClock {
   public:
     void set(Duration since_1970, Instant now) {
@@ -61,7 +63,6 @@ std::timespec as_timespec(Duration duration) {
     const Duration positive = std::max(duration, Duration::zero());
     const auto seconds = std::chrono::floor<std::chrono::seconds>(positive);
     std::timespec time{};
-    // tv_sec has 32 bits on some processors.
     time.tv_sec = static_cast<decltype(time.tv_sec)>(seconds.count());
     time.tv_nsec = static_cast<decltype(time.tv_nsec)>((positive - seconds).count());
     return time;

@@ -5,6 +5,8 @@
 #include <cstring>
 #include <utility>
 
+#include "transports/links/start_thread.h"
+
 namespace tribus {
 
 DataThread::~DataThread() {
@@ -43,11 +45,7 @@ void* DataThread::main(void* self) {
 tl::expected<std::vector<std::string>, std::string> DataThread::prepare() {
     // The data thread does not allocate once it runs, so it needs no heap of its own.
     ::mallopt(M_ARENA_MAX, 1);
-    pthread_attr_t attributes;
-    ::pthread_attr_init(&attributes);
-    ::pthread_attr_setstacksize(&attributes, kRealtimeStackBytes);
-    const int error = ::pthread_create(&thread_, &attributes, &DataThread::main, this);
-    ::pthread_attr_destroy(&attributes);
+    const int error = start_thread(thread_, kRealtimeStackBytes, &DataThread::main, this);
     if (error != 0) {
         return tl::unexpected(std::string("cannot start the data thread: ") + std::strerror(error));
     }

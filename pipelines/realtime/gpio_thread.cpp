@@ -9,6 +9,7 @@
 
 #include "pipelines/realtime/clock.h"
 #include "pipelines/realtime/scheduling.h"
+#include "transports/links/start_thread.h"
 
 namespace tribus {
 namespace {
@@ -16,6 +17,8 @@ namespace {
 /// Period in which every line is read even without an edge, because the removal of a chip does not
 /// wake a thread that already waits for its edges.
 constexpr Duration kLookPeriod = std::chrono::milliseconds(200);
+/// Of an edge, as far as it matters: longer than any debouncing.
+constexpr Duration kLongestAge = std::chrono::seconds(2);
 
 }  // namespace
 
@@ -43,11 +46,7 @@ GpioThread::~GpioThread() {
 }
 
 tl::expected<void, std::string> GpioThread::start() {
-    pthread_attr_t attributes;
-    ::pthread_attr_init(&attributes);
-    ::pthread_attr_setstacksize(&attributes, kRealtimeStackBytes);
-    const int error = ::pthread_create(&thread_, &attributes, &GpioThread::main, this);
-    ::pthread_attr_destroy(&attributes);
+    const int error = start_thread(thread_, kRealtimeStackBytes, &GpioThread::main, this);
     if (error != 0) {
         return tl::unexpected(std::string("cannot start the thread of the GPIO lines: ") +
                               std::strerror(error));
@@ -107,20 +106,21 @@ void GpioThread::run() {
 void GpioThread::wait(Instant until) {
     std::array<Line*, kMostLines> inputs{};
     std::size_t count = 0;
+    const Instant now = monotonic_now();
     for (Line& line : lines_) {
-        if (line.held && line.held->input) {
+        if (line.held && line.held->input && line.contact.rests_until() <= now) {
             polled_[count] = {.fd = line.held->input->descriptor(), .events = POLLIN, .revents = 0};
             inputs[count++] = &line;
         }
     }
     polled_[count] = {.fd = exchange_.lines_event(), .events = POLLIN, .revents = 0};
-    const Duration pause = std::clamp(until - monotonic_now(), Duration::zero(), kLookPeriod);
+    const Duration pause = std::clamp(until - now, Duration::zero(), kLookPeriod);
     const timespec timeout = as_timespec(pause);
     if (::ppoll(polled_.data(), count + 1, &timeout, nullptr) <= 0) {
         return;
     }
     for (std::size_t i = 0; i < count; ++i) {
-        inputs[i]->moved = polled_[i].revents != 0;
+        inputs[i]->wants_look = polled_[i].revents != 0;
     }
     if (polled_[count].revents != 0) {
         exchange_.clear_lines_event();
@@ -132,7 +132,7 @@ void GpioThread::accept_given_lines() {
         if (HeldLine* given = line.given.exchange(nullptr, std::memory_order_acquire)) {
             line.held.reset(given);
             line.last_set.reset();
-            line.moved = true;
+            line.wants_look = true;
         }
     }
 }
@@ -141,18 +141,29 @@ void GpioThread::read_inputs(Instant now, bool all) {
     for (std::size_t i = 0; i < lines_.size(); ++i) {
         Line& line = lines_[i];
         if (is_input_role(line.task.role)) {
-            const bool moved = std::exchange(line.moved, false);
-            if (line.held && (moved || all || line.contact.settles_at() <= now)) {
-                const std::optional<bool> level = line.held->input->read();
-                line.contact.look(level, moved, now);
-                if (!level) {
-                    lose(line);
-                }
+            if (line.held && (line.wants_look || all || line.contact.settles_at() <= now)) {
+                read_input(line, now);
             }
+            line.wants_look = false;
             levels_.set(i, line.contact.level());
         }
     }
     exchange_.set_levels(levels_, now);
+}
+
+void GpioThread::read_input(Line& line, Instant now) {
+    const std::optional<bool> level = line.held->input->read();
+    const std::optional<Duration> edge = line.held->input->latest_edge();
+    std::optional<Instant> edge_at;
+    if (edge) {
+        edge_at = now - std::clamp(awake_time_now() - *edge, Duration::zero(), kLongestAge);
+    } else if (line.wants_look) {
+        edge_at = now;
+    }
+    line.contact.look(level, edge_at, now);
+    if (!level) {
+        lose(line);
+    }
 }
 
 bool GpioThread::wanted(std::size_t index, Instant now) {
@@ -201,6 +212,9 @@ Instant GpioThread::next_deadline(Instant now) const {
     }
     for (const Line& line : lines_) {
         next = std::min(next, line.contact.settles_at());
+        if (line.contact.rests_until() > now) {
+            next = std::min(next, line.contact.rests_until());
+        }
         if (line.task.role == LineRole::fresh) {
             next = std::min(next, line.wave.next());
         }

@@ -73,17 +73,19 @@ class GpioThread {
         Debouncer contact;
         FreshWave wave;
         std::optional<bool> last_set;
-        bool moved = false;
+        bool wants_look = false;
         std::atomic<HeldLine*> lost{nullptr};
         std::atomic<HeldLine*> given{nullptr};
     };
 
     static void* main(void* self);
     void run();
-    /// Returns after an edge, after the event of `exchange_`, or at `until`.
+    /// Returns after an edge of a line that does not rest, after the event of `exchange_`, or at
+    /// `until`.
     void wait(Instant until);
     void accept_given_lines();
     void read_inputs(Instant now, bool all);
+    void read_input(Line& line, Instant now);
     void show_outputs(Instant now, bool all);
     bool wanted(std::size_t index, Instant now);
     void set_line(Line& line, bool active);

@@ -6,9 +6,10 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
-#include <array>
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
@@ -52,14 +53,30 @@ void keep_in_memory(Missing& missing) {
     }
 }
 
-/// Touches the stack to the depth that the thread can reach, so that its pages are present.
-[[gnu::noinline]] void touch_stack() {
-    constexpr std::size_t kLeftForWhatRunsNow = std::size_t{16} * 1024;
-    std::array<volatile std::uint8_t, kRealtimeStackBytes - kLeftForWhatRunsNow> stack;
-    constexpr std::size_t kPageBytes = 4096;
-    for (std::size_t byte = 0; byte < stack.size(); byte += kPageBytes) {
-        stack[byte] = 0;
+/// Touches the stack from below this function's frame down to `end`, at most `kRealtimeStackBytes`.
+[[gnu::noinline, gnu::no_sanitize("address")]] void touch_stack_to(const void* end) {
+    constexpr std::ptrdiff_t kOwnFrame = 1024;
+    constexpr std::ptrdiff_t kPageBytes = 4096;
+    auto* const here = static_cast<volatile std::uint8_t*>(__builtin_frame_address(0));
+    const std::ptrdiff_t deepest = std::min<std::ptrdiff_t>(
+        here - static_cast<const volatile std::uint8_t*>(end), kRealtimeStackBytes);
+    for (std::ptrdiff_t depth = kOwnFrame; depth <= deepest; depth += kPageBytes) {
+        *(here - depth) = 0;
     }
+}
+
+/// Touches the stack to its end, so that its pages are present. Thread-local storage takes a part
+/// of the size that a stack was made with.
+void touch_stack() {
+    pthread_attr_t attributes;
+    if (::pthread_getattr_np(::pthread_self(), &attributes) != 0) {
+        return;
+    }
+    void* end = nullptr;
+    std::size_t size = 0;
+    ::pthread_attr_getstack(&attributes, &end, &size);
+    ::pthread_attr_destroy(&attributes);
+    touch_stack_to(end);
 }
 
 /// Waking a processor from deep sleep takes longer than all work on a frame: with a limit of 0 us,

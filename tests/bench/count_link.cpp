@@ -1,6 +1,4 @@
 #include <linux/can.h>
-#include <net/if.h>
-#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <time.h>
 
@@ -8,7 +6,6 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
-#include <cstdarg>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -90,6 +87,7 @@ class Driver {
         interface.index = kIndex;
         interface.up = true;
         interface.lower_up = true;
+        interface.running = true;
         interface.echo = echo;
         kernel.echo = echo;
         link_ = std::make_unique<CanSocket>(UniqueFd(), UniqueFd(), interface);
@@ -175,21 +173,6 @@ ssize_t recv(int /*socket*/, void* /*bytes*/, std::size_t /*size*/, int /*flags*
     ++tribus::kernel.calls;
     errno = EAGAIN;
     return -1;
-}
-
-/// The name is that of the interface, which is up.
-int ioctl(int /*socket*/, unsigned long request, ...) noexcept {
-    std::va_list arguments;
-    va_start(arguments, request);
-    ifreq& answer = *va_arg(arguments, ifreq*);
-    va_end(arguments);
-    if (request == SIOCGIFINDEX) {
-        answer.ifr_ifindex = tribus::kIndex;
-    } else {
-        answer.ifr_flags = IFF_UP | IFF_RUNNING;
-    }
-    ++tribus::kernel.calls;
-    return 0;
 }
 
 }  // extern "C"

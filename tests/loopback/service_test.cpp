@@ -3,9 +3,11 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -106,6 +108,30 @@ TEST_F(Service, ARefusedReloadEndsToo) {
 TEST_F(Service, FeedsTheWatchdog) {
     Program& program = run_main_job();
     EXPECT_TRUE(tells("WATCHDOG=1\n", 3)) << told();
+    expect_clean_end(program);
+}
+
+TEST_F(Service, TakesNoThreadForHungThatHasJustBegun) {
+    Program& program = run(write_config(
+        std::string("[input.receiver]\nprotocol = \"ibus\"\ndevice = \"@receiver\"\n") +
+        "timeout = \"5s\"\n[output.servos]\nprotocol = \"sbus\"\ndevice = \"@servos\"\n"
+        "period = \"1s\"\n[pipeline.main]\nfrom = \"receiver\"\nto = \"servos\"\n"));
+    EXPECT_TRUE(eventually([&] { return count_of("WATCHDOG=1\n", told()) == 1; })) << told();
+    EXPECT_EQ(program.errors().find("stands still"), std::string::npos) << program.errors();
+    expect_clean_end(program);
+}
+
+TEST_F(Service, TakesAStopOfTheWholeProgramForNoFaultOfItsThreads) {
+    Program& program = run_main_job();
+    for (int stop = 1; stop <= 4; ++stop) {
+        const std::size_t fed = count_of("WATCHDOG=1\n", told());
+        program.signal(SIGSTOP);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1300));
+        program.signal(SIGCONT);
+        EXPECT_TRUE(tells("WATCHDOG=1\n", fed + 1)) << told();
+    }
+    EXPECT_EQ(program.errors().find("stands still"), std::string::npos) << program.errors();
+    EXPECT_EQ(program.errors().find("half of its frames"), std::string::npos) << program.errors();
     expect_clean_end(program);
 }
 

@@ -21,6 +21,15 @@ std::atomic<bool> main_thread_hangs{false};
 std::atomic<bool> data_thread_hangs{false};
 std::atomic<bool> gpio_thread_hangs{false};
 
+/// With a time of 64 bits on a processor of 32 bits, the kernel has other calls for it.
+#ifdef SYS_clock_gettime64
+constexpr long kGetTime = SYS_clock_gettime64;
+constexpr long kSleep = SYS_clock_nanosleep_time64;
+#else
+constexpr long kGetTime = SYS_clock_gettime;
+constexpr long kSleep = SYS_clock_nanosleep;
+#endif
+
 void hang(int signal) {
     (signal == SIGUSR1 ? main_thread_hangs : data_thread_hangs).store(true);
 }
@@ -50,9 +59,9 @@ int clock_gettime(clockid_t clock, timespec* time) noexcept {
     }
     while (is_gpio_thread && gpio_thread_hangs.load()) {
         constexpr timespec kMillisecond{.tv_sec = 0, .tv_nsec = 1'000'000};
-        ::syscall(SYS_clock_nanosleep, CLOCK_MONOTONIC, 0, &kMillisecond, nullptr);
+        ::syscall(kSleep, CLOCK_MONOTONIC, 0, &kMillisecond, nullptr);
     }
-    return static_cast<int>(::syscall(SYS_clock_gettime, clock, time));
+    return static_cast<int>(::syscall(kGetTime, clock, time));
 }
 
 int pthread_setname_np(pthread_t thread, const char* name) noexcept {

@@ -7,38 +7,11 @@
 #include <linux/if_link.h>
 #include <linux/rtnetlink.h>
 
-#include <algorithm>
-#include <cstring>
+#include "transports/links/can/netlink_attributes.h"
 
 namespace tribus {
 
 namespace {
-
-template <typename T>
-std::optional<T> take(std::span<const std::byte> bytes) {
-    if (bytes.size() < sizeof(T)) {
-        return std::nullopt;
-    }
-    T value{};
-    std::memcpy(&value, bytes.data(), sizeof value);
-    return value;
-}
-
-/// The other bits are flags of the attribute.
-constexpr unsigned kTypeBits = 0x3FFF;
-
-/// Calls `each(type, payload)` for every attribute up to the first damaged one.
-template <typename Each>
-void for_attributes(std::span<const std::byte> bytes, Each each) {
-    while (const auto head = take<rtattr>(bytes)) {
-        if (head->rta_len < sizeof(rtattr) || head->rta_len > bytes.size()) {
-            return;
-        }
-        const auto type = head->rta_type & kTypeBits;
-        each(type, bytes.subspan(sizeof(rtattr), head->rta_len - sizeof(rtattr)));
-        bytes = bytes.subspan(std::min<std::size_t>(bytes.size(), RTA_ALIGN(head->rta_len)));
-    }
-}
 
 std::string text(std::span<const std::byte> bytes) {
     std::string result;
@@ -197,6 +170,7 @@ std::optional<CanInterface> parse_link_message(std::span<const std::byte> messag
     interface.is_can = link->ifi_type == ARPHRD_CAN;
     interface.up = (link->ifi_flags & IFF_UP) != 0;
     interface.lower_up = (link->ifi_flags & IFF_LOWER_UP) != 0;
+    interface.running = (link->ifi_flags & IFF_RUNNING) != 0;
     interface.echo = (link->ifi_flags & IFF_ECHO) != 0;
     for_attributes(message.subspan(kFixedPart),
                    [&](unsigned type, std::span<const std::byte> payload) {

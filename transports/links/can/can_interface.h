@@ -33,6 +33,7 @@ struct CanInterface {
     bool is_can = false;
     bool up = false;
     bool lower_up = false;  ///< has a carrier
+    bool running = false;   ///< the kernel has taken note of the carrier
     /// Own frames come back when they have left the controller, not before.
     bool echo = false;
     std::uint32_t mtu = 0;
@@ -66,6 +67,10 @@ std::vector<std::string> advice(const CanInterface& interface, bool sends, bool 
 
 /// One line for the log at the start. Pure and reentrant.
 std::string summary(const CanInterface& interface);
+
+/// Whether no network interface has that name although it is valid: it may be plugged in later.
+/// Loads no module for it, as an ioctl with a name may. May block: not for the data path.
+bool is_can_interface_missing(const std::string& name);
 
 /// Reads the interface from the kernel. The error says what is wrong with the name and lists the
 /// CAN interfaces. May block: not for the data path.

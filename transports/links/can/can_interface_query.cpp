@@ -143,6 +143,16 @@ tl::expected<std::vector<CanInterface>, int> ask(Request request) {
     return tl::unexpected(EPROTO);
 }
 
+bool is_name_of_interface(const std::string& name) {
+    return !name.empty() && name.size() < IFNAMSIZ;
+}
+
+tl::expected<std::vector<CanInterface>, int> ask_for(const std::string& name) {
+    Request request(RTM_GETLINK, 0);
+    request.add(IFLA_IFNAME, name);
+    return ask(std::move(request));
+}
+
 std::string existing_can_interfaces() {
     const auto all = ask(Request(RTM_GETLINK, NLM_F_DUMP));
     std::string names;
@@ -172,16 +182,22 @@ std::string asking_problem(int error) {
 
 }  // namespace
 
+bool is_can_interface_missing(const std::string& name) {
+    if (!is_name_of_interface(name)) {
+        return false;
+    }
+    const auto found = ask_for(name);
+    return !found && found.error() == ENODEV;
+}
+
 tl::expected<CanInterface, std::string> query_can_interface(const std::string& name) {
     const auto failed = [&name](const std::string& why) {
         return tl::unexpected(name + ": " + why);
     };
-    if (name.empty() || name.size() >= IFNAMSIZ) {
+    if (!is_name_of_interface(name)) {
         return failed("names of network interfaces have 1 to 15 characters, such as can0");
     }
-    Request request(RTM_GETLINK, 0);
-    request.add(IFLA_IFNAME, name);
-    const auto found = ask(std::move(request));
+    const auto found = ask_for(name);
     if (!found && found.error() != ENODEV) {
         return failed(asking_problem(found.error()));
     }

@@ -102,6 +102,8 @@ CanSocket::CanSocket(UniqueFd fd, UniqueFd changes, CanInterface interface)
     : fd_(std::move(fd)),
       changes_(std::move(changes)),
       interface_(std::move(interface)),
+      is_up_(interface_.up),
+      is_running_(interface_.running),
       transmitter_(counts_, interface_.echo),
       buffers_(std::make_unique<Buffers>()) {
     if (interface_.state == CanControllerState::bus_off) {
@@ -118,8 +120,7 @@ CanSocket::CanSocket(UniqueFd fd, UniqueFd changes, CanInterface interface)
 CanSocket::~CanSocket() = default;
 
 bool CanSocket::is_missing(const std::string& interface) {
-    return !interface.empty() && interface.size() < IFNAMSIZ &&
-           ::if_nametoindex(interface.c_str()) == 0 && errno == ENODEV;
+    return is_can_interface_missing(interface);
 }
 
 ReadStatus CanSocket::read(CanReception& reception, Instant now, Duration wall_time) {
@@ -183,11 +184,11 @@ ReadStatus CanSocket::read_failed(int error, Instant now, Duration wall_time) {
         // Reported once. The same socket works again when the interface is up
         // (docs/protocols/can.md, "SocketCAN: loss and errors").
         went_down();
+        read_changes(now);
     } else if (interface_is_gone(error)) {
         lost_ = true;
-        return ReadStatus::lost;
     }
-    return ReadStatus::nothing;
+    return lost_ ? ReadStatus::lost : ReadStatus::nothing;
 }
 
 std::optional<ReceivedCanFrame> CanSocket::process(std::size_t index, Instant now,

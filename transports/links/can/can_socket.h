@@ -2,6 +2,7 @@
 
 #include <linux/can.h>
 
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -39,8 +40,8 @@ class CanSocket final : public CanLink {
     /// Whether no network interface has that name although it is valid: it may be plugged in later.
     static bool is_missing(const std::string& interface);
 
-    /// Uses sockets that are open: a raw one that is bound to the interface, and one of rtnetlink
-    /// that is readable when a network interface has changed.
+    /// Uses sockets that are open: a raw one that is bound to the interface, and one of
+    /// `watch_interfaces` from before the interface was read.
     CanSocket(UniqueFd fd, UniqueFd changes, CanInterface interface);
     CanSocket(const CanSocket&) = delete;
     CanSocket& operator=(const CanSocket&) = delete;
@@ -87,6 +88,7 @@ class CanSocket final : public CanLink {
     void send_failed(int error, Instant now);
     void recheck(Instant now);
     void check_line(Instant now);
+    void judge_line(Instant now);
     void went_down();
     bool flight_is_over(Instant now);
     KernelQueues kernel_queues() const;
@@ -95,6 +97,10 @@ class CanSocket final : public CanLink {
     UniqueFd fd_;
     UniqueFd changes_;
     CanInterface interface_;
+    bool is_up_;       ///< as the kernel told last
+    bool is_running_;  ///< likewise
+    /// A message on a change of the interface; its beginning is enough.
+    std::array<std::byte, 2048> change_{};
     CanCounts counts_;
     CanTransmitter transmitter_;
     std::unique_ptr<Buffers> buffers_;

@@ -1,8 +1,6 @@
 #include "transports/links/can/can_socket.h"
 
 #include <linux/can/raw.h>
-#include <linux/netlink.h>
-#include <linux/rtnetlink.h>
 #include <sys/socket.h>
 
 #include <cerrno>
@@ -10,6 +8,7 @@
 #include <utility>
 
 #include "transports/links/can/can_wire.h"
+#include "transports/links/can/interface_change.h"
 
 namespace tribus {
 
@@ -71,19 +70,6 @@ std::string bind_problem(int error) {
     return std::string("cannot use it: ") + std::strerror(error);
 }
 
-/// Readable when a network interface has changed. Invalid, with errno, if there is none.
-UniqueFd changes_of_interfaces() {
-    UniqueFd fd(::socket(AF_NETLINK, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, NETLINK_ROUTE));
-    sockaddr_nl address{};
-    address.nl_family = AF_NETLINK;
-    address.nl_groups = RTMGRP_LINK;
-    const auto* generic = static_cast<const sockaddr*>(static_cast<const void*>(&address));
-    if (fd.valid() && ::bind(fd.get(), generic, sizeof address) != 0) {
-        fd = UniqueFd();
-    }
-    return fd;
-}
-
 }  // namespace
 
 tl::expected<std::unique_ptr<CanSocket>, std::string> CanSocket::open(const std::string& interface,
@@ -96,7 +82,7 @@ tl::expected<std::unique_ptr<CanSocket>, std::string> CanSocket::open(const std:
         return failed(socket_problem(errno));
     }
     // Before the interface is read, so that no change of it is missed.
-    UniqueFd changes = changes_of_interfaces();
+    UniqueFd changes = watch_interfaces();
     if (!changes.valid()) {
         return failed(std::string("the kernel does not tell of changes of network interfaces "
                                   "(AF_NETLINK; a service needs it in "
@@ -107,6 +93,7 @@ tl::expected<std::unique_ptr<CanSocket>, std::string> CanSocket::open(const std:
     if (!found) {
         return tl::unexpected(found.error());
     }
+    watch_only(changes, found->index);
     if (const auto problem = fd_problem(*found); problem && settings.fd) {
         return failed(*problem);
     }

@@ -1,17 +1,15 @@
-#include <linux/netlink.h>
 #include <linux/sock_diag.h>
-#include <net/if.h>
-#include <sys/ioctl.h>
 #include <sys/socket.h>
 
 #include <array>
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
-#include <iterator>
+#include <span>
 #include <utility>
 
 #include "transports/links/can/can_socket.h"
+#include "transports/links/can/interface_change.h"
 
 /// The state of the interface of a CAN socket.
 namespace tribus {
@@ -22,25 +20,35 @@ bool CanSocket::works() const {
            state != CanBusState::stalled;
 }
 
-/// The kernel tells that some network interface has changed; this one is then looked at, and true
-/// returned. Costs one system call where nothing has.
+/// Takes what the kernel has told of the interface since the latest call. Returns whether that may
+/// change anything. Costs one system call where it was nothing. The interface is not asked for: an
+/// ioctl with a name may load a module, and a request to rtnetlink waits for other programs.
 bool CanSocket::read_changes(Instant now) {
-    constexpr int kMostMessages = 64;
-    std::array<std::byte, sizeof(nlmsghdr)> beginning{};
+    constexpr int kMostMessages = 1024;
     bool changed = false;
-    for (int message = 0; message < kMostMessages; ++message) {
-        const ssize_t size =
-            ::recv(changes_.get(), beginning.data(), beginning.size(), MSG_DONTWAIT);
-        // ENOBUFS: the kernel had no room for all messages.
-        if (size < 0 && errno != ENOBUFS) {
+    for (int message = 0; !lost_; ++message) {
+        const ssize_t size = ::recv(changes_.get(), change_.data(), change_.size(), MSG_DONTWAIT);
+        // Without what the kernel had no room for, the state is unknown: the interface is opened
+        // again.
+        lost_ = (size < 0 && errno == ENOBUFS) || message == kMostMessages;
+        if (size < 0) {
             break;
         }
-        changed = true;
+        const auto change = parse_interface_change(
+            std::span<const std::byte>(change_).first(static_cast<std::size_t>(size)));
+        if (change && change->index == interface_.index) {
+            // The socket stays with its interface when that gets another name; then the bus that is
+            // meant is elsewhere.
+            lost_ = lost_ || change->gone || change->name != interface_.name;
+            is_up_ = change->up;
+            is_running_ = change->running;
+            changed = true;
+        }
     }
-    if (changed) {
-        check_line(now);
+    if (changed && !lost_) {
+        judge_line(now);
     }
-    return changed;
+    return changed || lost_;
 }
 
 void CanSocket::recheck(Instant now) {
@@ -55,39 +63,26 @@ void CanSocket::recheck(Instant now) {
     }
 }
 
-/// Frames for an interface without carrier vanish although sending succeeds (docs/protocols/can.md,
-/// "SocketCAN: transmit queue"). A controller has a carrier while it is up, except in bus-off. The
-/// socket stays with its interface when that gets another name; then the bus that is meant is
-/// elsewhere.
 void CanSocket::check_line(Instant now) {
+    if (!read_changes(now) && !lost_) {
+        judge_line(now);
+    }
+}
+
+/// Frames for an interface without carrier vanish although sending succeeds (docs/protocols/can.md,
+/// "SocketCAN: transmit queue"). A controller has a carrier while it is up, except in bus-off.
+void CanSocket::judge_line(Instant now) {
     checked_ = now;
-    ifreq line{};
-    interface_.name.copy(std::begin(line.ifr_name), IFNAMSIZ - 1);
-    if (::ioctl(fd_.get(), SIOCGIFINDEX, &line) != 0) {
-        lost_ = lost_ || interface_is_gone(errno);
-        return;
-    }
-    if (static_cast<std::uint32_t>(line.ifr_ifindex) != interface_.index) {
-        lost_ = true;
-        return;
-    }
-    if (::ioctl(fd_.get(), SIOCGIFFLAGS, &line) != 0) {
-        lost_ = lost_ || interface_is_gone(errno);
-        return;
-    }
-    const auto flags = static_cast<unsigned>(line.ifr_flags);
-    const bool up = (flags & IFF_UP) != 0;
-    const bool runs = up && (flags & IFF_RUNNING) != 0;
-    if (up && !up_since_) {
+    if (is_up_ && !up_since_) {
         up_since_ = now;
     }
     awaits_carrier_ = false;
-    if (runs) {
+    if (is_up_ && is_running_) {
         transmitter_.came_up(now);
         if (std::exchange(no_carrier_, false)) {
             transmitter_.restarted(now);
         }
-    } else if (!up || interface_.kind != "can") {
+    } else if (!is_up_ || interface_.kind != "can") {
         went_down();
     } else if (transmitter_.state() != CanBusState::bus_off &&
                now < later(*up_since_, kCarrierLag)) {

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstddef>
 #include <cstring>
 #include <filesystem>
@@ -22,11 +21,6 @@ namespace tribus {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Size of an edge event in version 2 of the kernel's interface, the larger one; and number of
-/// events that the kernel keeps for a line before it drops the oldest.
-constexpr std::size_t kEdgeBytes = 48;
-constexpr std::size_t kMostEdges = 16;
 
 /// Paths of all GPIO chips, in the order of their numbers; or a value of errno.
 tl::expected<std::vector<std::string>, int> gpio_chip_paths() {
@@ -180,9 +174,17 @@ int GpioInput::descriptor() const {
 
 std::optional<bool> GpioInput::read() {
     // Reads edges before the level: an edge in between is then still there for the next wake-up.
-    std::array<char, kMostEdges * kEdgeBytes> edges;
-    if (::read(descriptor(), edges.data(), edges.size()) < 0 && errno != EAGAIN && errno != EINTR) {
+    // The kernel keeps as many for a line as one read takes.
+    std::array<GpioEdge, kEdgesPerRead> edges{};
+    const auto count = line_->read_edges(edges);
+    latest_edge_.reset();
+    if (!count) {
         return std::nullopt;
+    }
+    if (*count == edges.size()) {
+        latest_edge_ = Duration::max();
+    } else if (*count > 0) {
+        latest_edge_ = Duration(static_cast<Duration::rep>(edges[*count - 1].nanoseconds));
     }
     return line_->get();
 }

@@ -7,6 +7,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
+#include "core/time.h"
 #include "transports/links/gpio/gpio_place.h"
 #include "transports/links/gpio/gpio_search.h"
 
@@ -65,6 +66,8 @@ class GpioInput {
     static tl::expected<std::unique_ptr<GpioInput>, std::string> open(const GpioPlace& place,
                                                                       bool active_low,
                                                                       GpioBias bias);
+    /// `line` is an input that reports both edges, and its descriptor does not block.
+    explicit GpioInput(std::unique_ptr<GpioHeldLine> line);
     ~GpioInput();
 
     /// Readable from an edge until the next `read`, for poll and epoll. Also readable if the chip
@@ -73,10 +76,13 @@ class GpioInput {
     /// Clears the edges so far and returns the present level; nothing if the chip is gone or its
     /// bus does not answer.
     std::optional<bool> read();
+    /// When the latest edge came that the latest `read` cleared, on CLOCK_MONOTONIC; nothing if it
+    /// cleared none. `Duration::max()`: unknown, the kernel may have dropped edges.
+    std::optional<Duration> latest_edge() const { return latest_edge_; }
 
   private:
-    explicit GpioInput(std::unique_ptr<GpioHeldLine> line);
     std::unique_ptr<GpioHeldLine> line_;
+    std::optional<Duration> latest_edge_;
 };
 
 }  // namespace tribus

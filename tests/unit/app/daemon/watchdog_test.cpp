@@ -59,6 +59,38 @@ TEST_F(WatchdogTest, is_not_fed_once_the_data_thread_stands) {
     EXPECT_EQ(watchdog_.punctuality(), Punctuality::data_thread_stands);
 }
 
+TEST_F(WatchdogTest, a_data_thread_that_has_just_begun_does_not_stand) {
+    EXPECT_FALSE(watchdog_.look(now_, Instant{}, outputs_));
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::on_time);
+    EXPECT_EQ(go_on(200ms), 1);
+}
+
+/// After SIGCONT this thread may run before the data thread.
+TEST_F(WatchdogTest, a_stop_of_the_whole_program_is_no_stop_of_the_data_thread) {
+    go_on(10s);
+    now_ += 60s;
+    EXPECT_FALSE(watchdog_.look(now_, published_, outputs_));
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::on_time);
+    EXPECT_EQ(go_on(200ms), 1);
+}
+
+/// The data thread counts the turns that its outputs missed meanwhile.
+TEST_F(WatchdogTest, a_stop_of_the_whole_program_makes_no_output_late) {
+    go_on(10s);
+    now_ += 1300ms;
+    go_on(200ms, true, 130);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::on_time);
+    go_on(200ms);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::on_time);
+}
+
+TEST_F(WatchdogTest, one_stands_that_gives_no_sign_after_a_stop_of_the_whole_program) {
+    go_on(10s);
+    now_ += 60s;
+    EXPECT_EQ(go_on(1200ms, false), 0);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::data_thread_stands);
+}
+
 TEST_F(WatchdogTest, a_pause_shorter_than_a_second_does_not_matter) {
     go_on(10s);
     go_on(800ms, false);

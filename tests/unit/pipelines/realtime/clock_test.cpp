@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdint>
 #include <fstream>
 #include <optional>
 
@@ -17,6 +18,12 @@ TEST(AsTimespec, IsWholeSecondsAndTheRest) {
     const std::timespec time = as_timespec(std::chrono::milliseconds(2'500));
     EXPECT_EQ(time.tv_sec, 2);
     EXPECT_EQ(time.tv_nsec, 500'000'000);
+}
+
+/// 2^31 s after 1970 is in 2038.
+TEST(AsTimespec, GoesOnAfter2038) {
+    constexpr auto kSeconds = std::chrono::seconds(std::int64_t{1} << 31U);
+    EXPECT_EQ(as_timespec(kSeconds).tv_sec, kSeconds.count());
 }
 
 TEST(AsTimespec, ANegativeTimeIsNone) {

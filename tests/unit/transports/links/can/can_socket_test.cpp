@@ -2,6 +2,7 @@
 
 #include <linux/can.h>
 #include <linux/if.h>
+#include <linux/rtnetlink.h>
 #include <sched.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
@@ -11,13 +12,16 @@
 #include <cstdint>
 #include <cstdlib>
 #include <iterator>
+#include <string>
 #include <string_view>
 #include <utility>
 
 #include <gtest/gtest.h>
 
-/// A socket of an interface whose name goes to another one. The loopback interface stands for the
-/// one that has the name now: no CAN is needed for that.
+#include "transports/links/can/interface_change.h"
+
+/// A socket of an interface whose name goes to another one, that goes down or away. The loopback
+/// interface of a network of the test's own stands for it: no CAN is needed for that.
 namespace tribus::test::can_socket_test {
 namespace {
 
@@ -25,34 +29,53 @@ using namespace std::chrono_literals;
 
 class SocketOfName : public ::testing::Test {
   protected:
-    static CanInterface interface_with(std::uint32_t index) {
+    static CanInterface interface_with(std::uint32_t index, const std::string& name) {
         CanInterface interface;
-        interface.name = "lo";
+        interface.name = name;
         interface.kind = "vcan";
         interface.index = index;
         interface.up = true;
         interface.lower_up = true;
+        interface.running = true;
         return interface;
     }
-    /// The kernel tells of a change of some network interface.
-    void tell_of_a_change() const { ASSERT_EQ(::send(teller_.get(), "x", 1, 0), 1); }
+    /// The kernel tells of a change of an interface.
+    void tell(std::uint32_t index, std::string_view name, std::uint16_t type = RTM_NEWLINK) const {
+        struct {
+            nlmsghdr head{};
+            ifinfomsg link{};
+            rtattr attribute{};
+            std::array<char, IFNAMSIZ> name{};
+        } message;
+        message.head.nlmsg_len = sizeof message;
+        message.head.nlmsg_type = type;
+        message.link.ifi_index = static_cast<int>(index);
+        message.link.ifi_flags = IFF_UP | IFF_RUNNING;
+        message.attribute.rta_type = IFLA_IFNAME;
+        message.attribute.rta_len = sizeof message.attribute + IFNAMSIZ;
+        name.copy(message.name.data(), IFNAMSIZ - 1);
+        ASSERT_EQ(::send(teller_.get(), &message, sizeof message, 0), sizeof message);
+    }
     void put_on_the_bus() const {
         can_frame frame{};
         frame.len = 8;
         ASSERT_EQ(::send(bus_.get(), &frame, sizeof frame, 0), sizeof frame);
     }
-    CanSocket socket_of(std::uint32_t index) {
-        const auto pair = [](UniqueFd& here, UniqueFd& there) {
-            std::array<int, 2> ends{};
-            ASSERT_EQ(::socketpair(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK, 0, ends.data()), 0);
-            here = UniqueFd(ends[0]);
-            there = UniqueFd(ends[1]);
-        };
+    static void pair(UniqueFd& here, UniqueFd& there) {
+        std::array<int, 2> ends{};
+        ASSERT_EQ(::socketpair(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK, 0, ends.data()), 0);
+        here = UniqueFd(ends[0]);
+        there = UniqueFd(ends[1]);
+    }
+    CanSocket socket_on(UniqueFd changes, const std::string& name = "lo") {
         UniqueFd wire;
-        UniqueFd changes;
         pair(wire, bus_);
+        return {std::move(wire), std::move(changes), interface_with(kIndex, name)};
+    }
+    CanSocket socket_of(const std::string& name) {
+        UniqueFd changes;
         pair(changes, teller_);
-        return {std::move(wire), std::move(changes), interface_with(index)};
+        return socket_on(std::move(changes), name);
     }
     static constexpr Instant kNow = Instant(1h);
     static ReadStatus read(CanSocket& socket) {
@@ -72,29 +95,53 @@ class SocketOfName : public ::testing::Test {
 };
 
 TEST_F(SocketOfName, StaysWhileTheNameIsThatOfItsInterface) {
-    CanSocket socket = socket_of(kIndex);
-    tell_of_a_change();
+    CanSocket socket = socket_of("can0");
+    tell(kIndex, "can0");
     EXPECT_EQ(read(socket), ReadStatus::nothing);
     EXPECT_EQ(write(socket), WriteStatus::written);
 }
 
+/// An ioctl with the name of an interface that is not there may run modprobe.
+TEST_F(SocketOfName, AsksTheKernelForNoInterfaceByItsName) {
+    CanSocket socket = socket_of("not-there");
+    EXPECT_EQ(write(socket), WriteStatus::written);
+    tell(kIndex, "not-there");
+    EXPECT_EQ(read(socket), ReadStatus::nothing);
+    EXPECT_EQ(write(socket, kNow + 1ms), WriteStatus::written);
+}
+
 TEST_F(SocketOfName, IsLostAsSoonAsTheNameIsThatOfAnotherInterface) {
-    CanSocket socket = socket_of(kIndex + 1);
+    CanSocket socket = socket_of("can0");
     EXPECT_EQ(read(socket), ReadStatus::nothing) << "nothing has happened";
-    tell_of_a_change();
+    tell(kIndex, "can1");
     EXPECT_EQ(read(socket), ReadStatus::lost);
     EXPECT_EQ(write(socket), WriteStatus::lost);
 }
 
+TEST_F(SocketOfName, IsLostAsSoonAsItsInterfaceIsGone) {
+    CanSocket socket = socket_of("can0");
+    tell(kIndex, "can0", RTM_DELLINK);
+    EXPECT_EQ(read(socket), ReadStatus::lost);
+    EXPECT_EQ(write(socket), WriteStatus::lost);
+}
+
+TEST_F(SocketOfName, MindsNoChangeOfAnotherInterface) {
+    CanSocket socket = socket_of("can0");
+    tell(kIndex + 1, "can1");
+    tell(kIndex + 1, "can1", RTM_DELLINK);
+    EXPECT_EQ(read(socket), ReadStatus::nothing);
+    EXPECT_EQ(write(socket), WriteStatus::written);
+}
+
 /// Frames that wait may have come from the other bus.
 TEST_F(SocketOfName, ReadsNothingMoreThatWaits) {
-    CanSocket socket = socket_of(kIndex + 1);
+    CanSocket socket = socket_of("can0");
     // It is empty at first, so that what comes has an age without the kernel's stamp.
     EXPECT_EQ(read(socket), ReadStatus::nothing);
     put_on_the_bus();
     EXPECT_EQ(read(socket), ReadStatus::received);
     put_on_the_bus();
-    tell_of_a_change();
+    tell(kIndex, "can1");
     EXPECT_EQ(read(socket), ReadStatus::lost);
     EXPECT_EQ(socket.status().counts.received, 1U);
 }
@@ -133,11 +180,10 @@ class FramesBehindAName : public SocketOfName {
     int sent_without_the_name(Send send) {
         NameInANetworkOfItsOwn name;
         name.set_up(true);
-        CanSocket socket = socket_of(kIndex);
+        CanSocket socket = socket_on(watch_interfaces());
         const bool first = write(socket) == WriteStatus::written &&
                            write(socket, kNow + 1ms) == WriteStatus::written;
         name.take_away();
-        tell_of_a_change();
         const int before = taken();
         send(socket);
         return first && name.done() && before == 1 ? taken() : -1;
@@ -167,10 +213,60 @@ TEST_F(FramesBehindAName, DoNotLeaveWhereTheyWaited) {
     EXPECT_NONE_SENT([](CanSocket& socket) { socket.poll(kNow + 2ms); });
 }
 
-/// Until an interface was seen to be up, each write looks at it without news from the kernel.
 TEST_F(SocketOfName, IsLostAtAWriteBeforeItWasSeenUp) {
-    CanSocket socket = socket_of(kIndex + 1);
+    CanSocket socket = socket_of("can0");
+    tell(kIndex, "can1");
     EXPECT_EQ(write(socket), WriteStatus::lost);
+}
+
+/// The function runs in a process of its own, with a network of its own where that is permitted.
+#define EXPECT_IN_A_NETWORK_OF_ITS_OWN(...)                                             \
+    EXPECT_EXIT(std::exit(!NameInANetworkOfItsOwn::enter() || (__VA_ARGS__)() ? 0 : 1), \
+                ::testing::ExitedWithCode(0), "")
+
+TEST_F(SocketOfName, FollowsItsInterfaceDownAndUp) {
+    EXPECT_IN_A_NETWORK_OF_ITS_OWN([this] {
+        NameInANetworkOfItsOwn name;
+        name.set_up(true);
+        CanSocket socket = socket_on(watch_interfaces());
+        name.set_up(false);
+        const bool down = write(socket) == WriteStatus::unavailable;
+        name.set_up(true);
+        const bool up = write(socket, kNow + 30ms) == WriteStatus::written;
+        return name.done() && down && up;
+    });
+}
+
+/// What it was not told may be that the name is another's.
+TEST_F(SocketOfName, IsLostIfTheKernelHadNoRoomToTellEverything) {
+    EXPECT_IN_A_NETWORK_OF_ITS_OWN([this] {
+        NameInANetworkOfItsOwn name;
+        UniqueFd changes = watch_interfaces();
+        constexpr int kLeast = 1;
+        ::setsockopt(changes.get(), SOL_SOCKET, SO_RCVBUF, &kLeast, sizeof kLeast);
+        CanSocket socket = socket_on(std::move(changes));
+        for (int change = 0; change < 20; ++change) {
+            name.set_up(change % 2 == 0);
+        }
+        return name.done() && read(socket) == ReadStatus::lost &&
+               write(socket) == WriteStatus::lost;
+    });
+}
+
+TEST_F(SocketOfName, IsToldOfItsInterfaceAlone) {
+    EXPECT_IN_A_NETWORK_OF_ITS_OWN([] {
+        NameInANetworkOfItsOwn name;
+        const UniqueFd own = watch_interfaces();
+        const UniqueFd others = watch_interfaces();
+        watch_only(own, kIndex);
+        watch_only(others, kIndex + 1);
+        name.set_up(true);
+        const auto told = [](const UniqueFd& changes) {
+            std::array<char, 4096> message{};
+            return ::recv(changes.get(), message.data(), message.size(), MSG_DONTWAIT) > 0;
+        };
+        return name.done() && told(own) && !told(others);
+    });
 }
 
 }  // namespace

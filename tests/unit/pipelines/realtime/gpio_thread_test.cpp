@@ -1,0 +1,140 @@
+#include "pipelines/realtime/gpio_thread.h"
+
+#include <sys/eventfd.h>
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "pipelines/realtime/clock.h"
+#include "transports/links/gpio/gpio_library.h"
+#include "transports/links/unique_fd.h"
+
+namespace tribus::test::gpio_thread_test {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// A line as the kernel gives it. It must outlive the thread.
+struct Wire {
+    UniqueFd edges{::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)};
+    std::atomic<bool> level = false;
+    std::atomic<bool> noisy = false;
+    std::atomic<int> reads = 0;
+
+    void move(bool to) {
+        level = to;
+        ::eventfd_write(edges.get(), 1);
+    }
+    /// From now on there is always an edge to read, and each read finds another level.
+    void make_noise() {
+        noisy = true;
+        ::eventfd_write(edges.get(), 1);
+    }
+};
+
+class WiredLine final : public GpioHeldLine {
+  public:
+    explicit WiredLine(Wire& wire) : wire_(wire) {}
+    bool set(bool /*active*/) override { return false; }
+    std::optional<bool> get() const override {
+        return wire_.noisy ? wire_.reads % 2 == 0 : wire_.level.load();
+    }
+    int descriptor() const override { return wire_.edges.get(); }
+    std::optional<std::size_t> read_edges(std::span<GpioEdge> edges) override {
+        ++wire_.reads;
+        eventfd_t count = 0;
+        if (!wire_.noisy && ::eventfd_read(descriptor(), &count) != 0) {
+            return 0;
+        }
+        edges[0] = {static_cast<std::uint64_t>(awake_time_now().count()), false};
+        return 1;
+    }
+
+  private:
+    Wire& wire_;
+};
+
+/// The thread with one line that forces failsafe.
+class Bench {
+  public:
+    Bench(Wire& wire, Duration debounce) {
+        EXPECT_TRUE(exchange_.prepare());
+        std::vector<std::unique_ptr<HeldLine>> lines;
+        lines.push_back(std::make_unique<HeldLine>(
+            HeldLine{std::make_unique<GpioInput>(std::make_unique<WiredLine>(wire)), nullptr}));
+        const LineTask task{.role = LineRole::force_failsafe, .debounce = debounce};
+        thread_ = std::make_unique<GpioThread>(exchange_, std::vector{task}, std::move(lines),
+                                               GpioThreadSettings{});
+        EXPECT_TRUE(thread_->start());
+    }
+
+    std::optional<bool> level() const { return exchange_.levels(monotonic_now()).of(0); }
+    /// Returns how long it took until the line had that level; nothing after ten seconds.
+    std::optional<Duration> time_until(bool level) const {
+        const Instant begin = monotonic_now();
+        while (monotonic_now() - begin < 10s) {
+            if (this->level() == level) {
+                return monotonic_now() - begin;
+            }
+            std::this_thread::sleep_for(100us);
+        }
+        return std::nullopt;
+    }
+
+  private:
+    LineExchange exchange_{1};
+    std::unique_ptr<GpioThread> thread_;
+};
+
+/// How often the thread reads a noisy line in half a second.
+int reads_of_noise(Duration debounce) {
+    Wire wire;
+    const Bench bench(wire, debounce);
+    wire.make_noise();
+    std::this_thread::sleep_for(500ms);
+    return wire.reads;
+}
+
+TEST(GpioThread, ReadsANoisyLineOnceInTheTimeOfItsDebouncing) {
+    // Besides, it looks at each line five times a second.
+    EXPECT_LE(reads_of_noise(20ms), 500 / 20 + 10);
+}
+
+TEST(GpioThread, ReadsANoisyLineThatIsNotDebouncedOnceAMillisecond) {
+    EXPECT_LE(reads_of_noise(0ms), 500 + 10);
+}
+
+TEST(GpioThread, StillTakesALevelThatStandsOnceItsDebouncingIsOver) {
+    Wire wire;
+    const Bench bench(wire, 50ms);
+    ASSERT_TRUE(bench.time_until(false));
+    wire.move(true);
+    const auto took = bench.time_until(true);
+    ASSERT_TRUE(took);
+    EXPECT_GE(*took, 49ms);
+}
+
+TEST(GpioThread, TakesTheLevelAtWhichAnUndebouncedLineCameToRest) {
+    Wire wire;
+    const Bench bench(wire, 0ms);
+    for (const bool level : {true, false, true, false, true}) {
+        wire.move(level);
+    }
+    EXPECT_TRUE(bench.time_until(true));
+    for (const bool level : {false, true, false}) {
+        wire.move(level);
+    }
+    EXPECT_TRUE(bench.time_until(false));
+}
+
+}  // namespace
+}  // namespace tribus::test::gpio_thread_test
