@@ -216,6 +216,7 @@ void Loop::look_at_lines(Instant now) {
             catch_up(read_until_, now);
         } else {
             for (std::size_t i = 0; i < ready; ++i) {
+                ports_[ready_[i].port].reported = true;
                 read_port(ready_[i].port, now);
             }
             if (quiet_ports_ > 0) {
@@ -233,6 +234,7 @@ void Loop::look_at_lines(Instant now) {
             answer_can_frames(now);
         }
         if (now >= next_publish_) {
+            look_at_silent_ports(now);
             publish(now);
         }
     }

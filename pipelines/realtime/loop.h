@@ -135,6 +135,17 @@ struct AbsenceStatus {
     Duration latest{};
 };
 
+/// A port that does not do its part though the data thread runs.
+struct StandingPort {
+    enum class Fault : std::uint8_t {
+        none,
+        unheard,  ///< what comes is not reported: it was found by a look without a report
+        thread,   ///< the link's own thread stands (`Link::stands`)
+    };
+    Fault fault = Fault::none;
+    std::size_t port = 0;
+};
+
 /// State of a named value, published for the main thread.
 struct ValueStatus {
     double number = 0;
@@ -202,6 +213,8 @@ class Loop {
         return Instant(Duration(published_at_ns_.load(std::memory_order_acquire)));
     }
     AbsenceStatus absence() const { return absence_status_.read(); }
+    /// The first port that stands.
+    StandingPort standing_port() const { return standing_port_.read(); }
     /// Indices on the board.
     std::size_t value_count() const { return value_status_.size(); }
     ValueStatus value_status(std::size_t value) const { return value_status_[value].read(); }
@@ -221,6 +234,10 @@ class Loop {
         ReadPacer pacer{Duration::zero()};
         /// The port is not watched until then. `kNever`: it is watched.
         Instant quiet_until = kNever;
+        /// The link was reported as ready since the latest look at silent ports.
+        bool reported = false;
+        /// How many of these looks in a row found what was not reported.
+        int unheard = 0;
     };
     /// Port and lane of a station that sends.
     struct Route {
@@ -244,7 +261,8 @@ class Loop {
     void set_device_present(const Port& port);
     void set_devices_present();
     void accept_given_links();
-    void read_port(std::size_t port, Instant now);
+    bool read_port(std::size_t port, Instant now);
+    void look_at_silent_ports(Instant now);
     void read_quiet_ports(Instant now);
     ReadStatus read_bytes(std::size_t port, ByteLink& link, Instant now);
     ReadStatus read_can(const PortWiring& wiring, CanLink& link, Instant now);
@@ -274,6 +292,7 @@ class Loop {
     void publish_output(std::size_t index, Instant now);
     void publish_values();
     void publish_can_status();
+    void publish_standing_port(Instant now);
     /// Returns the number of ready ports; `ready_` has their indices. Reads the clock.
     std::size_t wait(Instant until);
     std::size_t wait_until(Instant until);
@@ -328,6 +347,8 @@ class Loop {
     /// Frames came that a station may have to answer.
     bool can_answers_wait_ = false;
     Instant next_publish_{};
+    Instant next_look_at_ports_{};
+    Snapshot<StandingPort> standing_port_;
     std::atomic<std::int64_t> published_at_ns_{0};
     std::vector<std::atomic<std::int64_t>> newest_at_ns_;
     /// The levels that the engine has.
