@@ -121,6 +121,8 @@ class Input {
     /// The values of the latest good frame, after the input's own channel rules. Marked frame-lost
     /// if the newest frame is not good.
     const ChannelFrame& control() const { return map_ ? mapped_ : supervisor_.control(); }
+    /// Its own channel rules. Null if it has none.
+    const ChannelMap* map() const { return map_ ? &*map_ : nullptr; }
     /// The latest frame as received, good or not.
     const ChannelFrame& latest() const { return ongoing_.latest; }
     const ArrivalClock& arrivals() const { return ongoing_.arrivals; }
@@ -173,6 +175,7 @@ class Input {
     bool decode(std::span<const std::uint8_t> bytes, Instant now);
     void take_decoded(Instant now);
     void judge(Instant now);
+    void supervise_and_map(ChannelFrame& frame, Instant arrival, Instant now);
     /// Takes a frame that arrived at `arrival`, not later than `now`. Changes its flags, as
     /// LinkSupervisor::take.
     void take(ChannelFrame& frame, Instant arrival, Instant now);

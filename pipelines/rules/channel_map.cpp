@@ -20,6 +20,10 @@ double deviation(Pulse pulse) {
 Pulse from_deviation(double eighths) {
     return Pulse::from_eighths(kCentrePulse.eighths() + nearest_whole(eighths));
 }
+/// Zero if the frame is older than what was computed last, as after a reload.
+double nanoseconds_between(Instant since, Instant now) {
+    return static_cast<double>(std::max(now - since, Duration::zero()).count());
+}
 
 /// Reads the source of one output channel from an input frame.
 struct SourceReader {
@@ -120,11 +124,11 @@ Pulse SlewFilter::apply(Pulse pulse, Instant now) {
     if (!started) {
         latest_eighths = wanted;
     } else {
-        const double most = eighths_per_nanosecond * static_cast<double>((now - latest_at).count());
+        const double most = eighths_per_nanosecond * nanoseconds_between(latest_at, now);
         latest_eighths += std::clamp(wanted - latest_eighths, -most, most);
     }
     started = true;
-    latest_at = now;
+    latest_at = std::max(latest_at, now);
     return Pulse::from_eighths(nearest_whole(latest_eighths));
 }
 
@@ -244,17 +248,42 @@ ChannelMap::ChannelMap(std::span<const ChannelRule> rules) {
     }
 }
 
-void ChannelMap::restart_from(const ChannelFrame& frame, Instant now) {
+template <class Action>
+void ChannelMap::for_each_slew(Action action) {
     for (Lane& lane : lanes_) {
         for (Filter& filter : lane.filters) {
-            auto* slew = std::get_if<SlewFilter>(&filter);
-            if (slew != nullptr && frame.has(lane.output)) {
-                slew->started = true;
-                slew->latest_eighths = frame.channel_or(lane.output, kCentrePulse).eighths();
-                slew->latest_at = now;
+            if (auto* slew = std::get_if<SlewFilter>(&filter)) {
+                action(lane.output, *slew);
             }
         }
     }
+}
+
+void ChannelMap::restart_from(const ChannelFrame& frame, Instant now, std::uint32_t channels) {
+    const std::uint32_t restarted = channels & ~frame.absent();
+    for_each_slew([&](std::size_t channel, SlewFilter& slew) {
+        if ((restarted >> channel & 1U) != 0) {
+            slew.started = true;
+            slew.latest_eighths = frame.pulses()[channel].eighths();
+            slew.latest_at = now;
+        }
+    });
+}
+
+void ChannelMap::rest(Instant until) {
+    for_each_slew([&](std::size_t /*channel*/, SlewFilter& slew) { slew.rest(until); });
+}
+
+std::optional<double> ChannelMap::slew_of(std::size_t channel) const {
+    for (const Lane& lane : lanes_) {
+        for (const Filter& filter : lane.filters) {
+            const auto* slew = std::get_if<SlewFilter>(&filter);
+            if (slew != nullptr && lane.output == channel) {
+                return slew->eighths_per_nanosecond;
+            }
+        }
+    }
+    return std::nullopt;
 }
 
 }  // namespace tribus

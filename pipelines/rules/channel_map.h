@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <variant>
 #include <vector>
@@ -42,6 +44,8 @@ struct SlewFilter {
     double latest_eighths = 0;
     Instant latest_at{};
     Pulse apply(Pulse pulse, Instant now);
+    /// The time before `until` does not count as time to move.
+    void rest(Instant until) { latest_at = std::max(latest_at, until); }
 };
 struct LimitFilter {
     Pulse min;
@@ -109,8 +113,15 @@ class ChannelMap {
     void set_lines(LineLevels levels) { lines_ = levels; }
     LineLevels lines() const { return lines_; }
 
-    /// The output sent `frame` instead (presets): slews continue from there.
-    void restart_from(const ChannelFrame& frame, Instant now);
+    /// The output sent `frame` instead (presets): slews of these channels, one bit each, continue
+    /// from there.
+    void restart_from(const ChannelFrame& frame, Instant now,
+                      std::uint32_t channels = kAllChannels);
+    /// Slews do not count the time before `until` as time to move: the output held its values.
+    void rest(Instant until);
+    /// The limit of the rate of change of a channel, in eighths of a microsecond per nanosecond.
+    /// `nullopt`: it has none.
+    std::optional<double> slew_of(std::size_t channel) const;
 
   private:
     /// A channel that StraightLanes cannot take.
@@ -121,6 +132,8 @@ class ChannelMap {
     };
 
     void apply_lanes(const ChannelFrame& input, ChannelFrame& output, Instant now);
+    template <class Action>
+    void for_each_slew(Action action);
 
     StraightLanes straight_lanes_;
     std::vector<Lane> lanes_;
