@@ -17,6 +17,7 @@ Input::Input(InputSettings settings, std::uint8_t index)
     supervisor_.ask(decoder());
     if (!settings.channels.empty()) {
         map_.emplace(settings.channels);
+        has_slews_ = map_->has_slews();
     }
 }
 
@@ -131,6 +132,13 @@ void Input::judge(Instant now) {
         ongoing_.loss_at = now;
     }
     ongoing_.state = fresh;
+}
+
+/// Between two frames of the input, slews go on towards what the latest one said.
+[[gnu::noinline]] void Input::move_slews(Instant now) {
+    if (supervisor_.alive(now)) {
+        mapped_ = map_->apply(supervisor_.control(), now);
+    }
 }
 
 /// The time of a loss is no time for its slews to move.

@@ -111,10 +111,13 @@ class Input {
     /// What its decoder says of frames that do not count, if it is the decoder that refuses them or
     /// marks them failsafe. Empty: it says nothing.
     FaultText fault() const;
-    /// Updates `state` and the counters of causes.
+    /// Updates `state`, the counters of causes and slews.
     void look(Instant now) {
         if (now != looked_at_) {
             judge(now);
+            if (has_slews_) {
+                move_slews(now);
+            }
         }
     }
 
@@ -175,6 +178,7 @@ class Input {
     bool decode(std::span<const std::uint8_t> bytes, Instant now);
     void take_decoded(Instant now);
     void judge(Instant now);
+    void move_slews(Instant now);
     void supervise_and_map(ChannelFrame& frame, Instant arrival, Instant now);
     /// Takes a frame that arrived at `arrival`, not later than `now`. Changes its flags, as
     /// LinkSupervisor::take.
@@ -184,6 +188,7 @@ class Input {
     AnyDecoder decoder_;
     DecodedFrame decoded_;
     std::uint8_t index_;
+    bool has_slews_ = false;
 
     LinkSupervisor supervisor_;
     /// Absent: the channels pass unchanged.

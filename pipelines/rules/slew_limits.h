@@ -11,9 +11,9 @@
 
 namespace tribus {
 
-/// Keeps an output within the slews in the maps of its inputs. An input's own slew moves when a
-/// frame of that input comes, which is at other times than the output's frames. Between two frames
-/// of the output no channel moves faster than the slew in the map of the input in control. Pure.
+/// Keeps an output within the slews in the maps of its inputs: between two of its frames, no
+/// channel moves faster than the slew in the map of the input in control. The input's own slew does
+/// not ensure that, since it may go on for other outputs while this one holds its values. Pure.
 /// Thread-bound. No allocation after the last `add`.
 class SlewLimits {
   public:

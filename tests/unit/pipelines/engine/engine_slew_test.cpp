@@ -72,7 +72,7 @@ TEST(SlewOfAnInput, does_not_make_up_for_the_time_of_a_loss) {
     Bench bench(list(std::move(input)), list(sbus_output({0}, {.hold = 10s})));
     lose_for(bench, 5s);
     EXPECT_LE(largest_step(bench, at(1s)), kSlowStep);
-    EXPECT_NEAR(bench.engine().inputs()[0].control().channel_or(0, {}).microseconds(), 1650, 2);
+    EXPECT_NEAR(bench.engine().inputs()[0].control().channel_or(0, {}).microseconds(), 1659, 2);
 }
 
 /// Frames that say failsafe are no loss of bytes, but the output holds values all the same.
