@@ -19,6 +19,7 @@ Engine::Engine(std::vector<InputSettings> inputs, std::vector<OutputSettings> ou
     for (OutputSettings& settings : outputs) {
         node_of_.push_back(settings.node);
         outputs_.emplace_back(std::move(settings));
+        outputs_.back().take_slews(inputs_);
         if (node_of_.back()) {
             outputs_.back().send_as(nodes_[*node_of_.back()]->identity());
         }

@@ -120,6 +120,8 @@ class Output {
     void start(Instant now) { schedule_.start(now); }
     /// Sets the source of named values. Call before `start`. `board` must outlive the output.
     void use(const ValueBoard& board) { encoder_.encoder().use(board); }
+    /// Takes the slews in the maps of its inputs, of the engine's `inputs`. Call before `start`.
+    void take_slews(std::span<const Input> inputs) { selector_.take_slews(inputs); }
     /// Takes over at `now` from `before`, an output of the same protocol on the same port: its
     /// stage, schedule and counters. Other settings apply from the next frame on. If the input in
     /// control was removed, it counts as lost.
@@ -240,6 +242,8 @@ class Output {
     void look_for_withheld();
     void enter_failsafe();
     void glide_from_latest(std::optional<double> us_per_second);
+    void glide_to_another_input();
+    void rest_slews();
     void take_up_channels();
     void fill_absent(ChannelFrame& frame, Instant now);
 
