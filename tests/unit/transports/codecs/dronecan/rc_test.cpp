@@ -358,6 +358,31 @@ TEST(RcInputEncoder, TakesAChannelAsAQualityFrom1000To2000Microseconds) {
     EXPECT_EQ(message_in(encoded(encoder, good_snapshot(18))).quality, 65);
 }
 
+TEST(RcInputEncoder, ConvertsTheUnitOfANamedValue) {
+    struct Case {
+        const char* unit;
+        double number;
+        std::uint16_t type;
+        std::optional<std::uint8_t> quality;
+    };
+    for (const auto& [unit, number, type, quality] :
+         {Case{"ratio", 0.42, RcInput::kQualityTypeLinkQuality, 42},
+          Case{"W", 0.1, RcInput::kQualityTypeTxPower, 20},
+          Case{"degC", 42, RcInput::kQualityTypeLinkQuality, std::nullopt},
+          Case{"bananas", 42, RcInput::kQualityTypeLinkQuality, std::nullopt},
+          Case{"us", 1650, RcInput::kQualityTypeSnr, std::nullopt}}) {
+        ValueBoard board({{.name = "radio", .unit = unit, .lasts = kForever}});
+        board.set(0, number, kStart);
+        RcEncoder encoder(
+            {.quality = RcQuality::value, .quality_type = type, .quality_value = "radio"});
+        encoder.send_as(kIdentity);
+        encoder.use(board);
+        const RcInput message = message_in(encoded(encoder, good_snapshot(18)));
+        EXPECT_EQ((message.status & RcInput::kQualityValid) != 0, quality.has_value()) << unit;
+        EXPECT_EQ(message.quality, quality.value_or(0)) << unit;
+    }
+}
+
 TEST(RcInputEncoder, SaysThatNoQualityIsValidWhereTheNamedValueIsStale) {
     ValueBoard board({{.name = "radio", .unit = "%", .lasts = milliseconds(10)}});
     RcEncoder encoder({.quality = RcQuality::value, .quality_value = "radio"});
