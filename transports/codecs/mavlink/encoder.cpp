@@ -261,16 +261,16 @@ void MavlinkEncoder::continue_from(const Encoder& before) {
 /// Overrides of a channel that nobody sends any more would last as long as the autopilot says, for
 /// ever with RC_OVERRIDE_TIME -1.
 void MavlinkEncoder::give_back_for(const MavlinkEncoder& before) {
-    former_ = before.former_;
-    if (former_ && former_->release.left > 0) {
-        // It has sent no channels itself yet.
-        return;
-    }
     const bool same_target = settings_.target == before.settings_.target;
     const std::uint32_t own = same_target ? own_channels() : 0;
     own_.channels = own & before.own_.channels;
     if (own_.channels != 0 && settings_.releases) {
         own_.left = before.settings_.releases ? before.own_.left : kReleases;
+    }
+    former_ = before.former_;
+    if (former_ && former_->release.left > 0) {
+        // It goes on first. Meanwhile no channels were sent.
+        return;
     }
     const std::uint32_t taken =
         before.own_.channels | (before.fewer_.left > 0 ? before.fewer_.channels : 0);

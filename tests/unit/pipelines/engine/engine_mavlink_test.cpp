@@ -33,7 +33,7 @@ OutputSettings autopilot(const MavlinkEncoder::Settings& settings, Duration peri
             .schedule = {.kind = ScheduleKind::grid, .period = period},
             .selection = {.inputs = {0}},
             .channels = {},
-            .failsafe = {.action = FailsafeAction::silence, .hold = 300ms}};
+            .failsafe = {.hold = 300ms, .action = FailsafeAction::silence}};
 }
 
 struct Message {
