@@ -170,7 +170,7 @@ std::vector<PortPlan> plan_ports(const Configuration& configuration) {
         const OutputConfig& output = configuration.outputs[i];
         PortPlan& plan = add(StationKind::output, i, output.port);
         plan.period = output.port.medium->has_period ? output.schedule.period : Duration{};
-        if (is_timed_by_receiver(output) || hears_effect(output) || is_answered(output)) {
+        if (is_timed_by_receiver(output) || hears_answers(output) || is_answered(output)) {
             add(StationKind::replies, i, output.port);
         }
     }

@@ -286,6 +286,7 @@ bool Output::make_frame(ChannelFrame& frame, Instant now, std::span<const Input>
         if (!yielding && end_of_period < valid_until_) {
             frame = *ongoing_.held;
             frame.frame_lost = true;
+            frame.held = true;
             return true;
         }
         enter_failsafe();

@@ -148,6 +148,8 @@ class Output {
     void run(Instant now, std::span<const Input> inputs);
     /// Enters failsafe for good: the program is about to end.
     void end(Instant now);
+    /// How many last frames it wants to send after `end`. 0: as many as any output.
+    int farewells() const { return encoder_.encoder().farewells(); }
     /// While `on`, no input has control. Afterwards `recover` applies, as after a loss.
     void force_failsafe(bool on, Instant now);
     /// Selects the input at that index of `inputs()`. `nullopt`: no selection.
