@@ -49,9 +49,11 @@ class Pulse {
     constexpr double microseconds() const {
         return static_cast<double>(eighths_) / kEighthsPerMicrosecond;
     }
-    /// Rounds to the nearest whole microsecond, halves upwards.
+    /// Rounds to the nearest whole microsecond that a pulse can have, halves upwards: at most 4095,
+    /// because readers take 4096 for no pulse.
     constexpr std::int32_t whole_microseconds() const {
-        return (eighths_ + kEighthsPerMicrosecond / 2) >> 3;
+        constexpr std::int32_t kMost = std::numeric_limits<std::int16_t>::max() >> 3;
+        return std::min((eighths_ + kEighthsPerMicrosecond / 2) >> 3, kMost);
     }
 
     constexpr auto operator<=>(const Pulse&) const = default;

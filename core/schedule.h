@@ -12,13 +12,15 @@ namespace tribus {
 /// When an output sends.
 enum class ScheduleKind : std::uint8_t {
     follow,  ///< with each new frame, at most once per period; once per period without one
-    grid,    ///< strictly periodic
+    grid,    ///< at points of its own, whether or not a frame arrives
 };
 
 /// How a grid relates to the arrivals of the input.
 enum class Phase : std::uint8_t {
-    free,
-    locked,  ///< the grid is steered to stay just behind the arrivals of the input
+    free,  ///< the points are a period apart
+    /// The grid is steered to stay just behind the arrivals of the input. The points are the least
+    /// number of whole intervals of the input apart that is not shorter than the period.
+    locked,
 };
 
 struct ScheduleSettings {

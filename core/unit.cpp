@@ -248,6 +248,10 @@ std::optional<UnitConversion> unit_conversion(std::string_view from, std::string
         .offset = (source->offset - target->offset) * target->denominator / target->numerator};
 }
 
+bool may_be_sent(std::string_view from, std::string_view to) {
+    return from.empty() || to.empty() || unit_conversion(from, to).has_value();
+}
+
 bool is_known_unit(std::string_view unit) {
     return find(unit) != nullptr;
 }

@@ -21,6 +21,10 @@ struct UnitConversion {
 /// rotation.
 std::optional<UnitConversion> unit_conversion(std::string_view from, std::string_view to);
 
+/// Whether a number in `from` may be sent where `to` is meant: converted, or as it is where one of
+/// both has no unit. Not if they measure different quantities or one of them is unknown.
+bool may_be_sent(std::string_view from, std::string_view to);
+
 /// Whether `unit` is a known spelling. Case counts: "mW" is not "MW". The empty text is not a unit.
 bool is_known_unit(std::string_view unit);
 

@@ -96,8 +96,16 @@ class Appliance {
     /// Devices that did not exist at the start and are waited for, in sentences. Only with
     /// `wait_for_absent`.
     const std::vector<std::string>& waits_for() const { return waits_for_; }
+    /// Why the data thread has ended by itself, as a sentence. Empty: it runs.
+    std::string data_thread_failure() const { return thread_->failure(); }
     /// When the data thread last published its figures.
     Instant figures_at() const { return loop_->published_at(); }
+    /// A port that does not do its part though the data thread runs.
+    StandingPort standing_port() const { return loop_->standing_port(); }
+    /// Whether the thread of the GPIO lines stands though the kernel does not keep it.
+    bool gpio_thread_stands(Instant now) const {
+        return gpio_thread_ && line_exchange_->hangs(now) && !gpio_thread_->kept_by_kernel();
+    }
     /// Periods in which this program did not run.
     AbsenceStatus absence() const { return loop_->absence(); }
     /// Status and timing of an input or output, by its index, as last published.

@@ -34,7 +34,13 @@ class Offer {
     }
     void values_of(const CommandOption& option) {
         for (const std::string& choice : option.choices) {
-            word(choice);
+            // The shell would take two words for two values.
+            const bool several = choice.find(' ') != std::string::npos;
+            if (several && choice.starts_with(begun_)) {
+                found_.words.push_back({"\"" + choice + "\"", ""});
+            } else {
+                word(several ? "\"" + choice + "\"" : choice);
+            }
         }
         if (option.offers) {
             for (const std::string& offered : option.offers()) {

@@ -187,6 +187,11 @@ void Daemon::look(Instant now) {
     if (!appliance_) {
         return;
     }
+    if (const std::string failure = appliance_->data_thread_failure(); !failure.empty()) {
+        log_error("{}; the program ends", failure);
+        appliance_.reset();
+        return;
+    }
     log_->look(*appliance_, now);
     appliance_->look_at_machine(now, sockets_.watched());
     sockets_.look();

@@ -64,6 +64,26 @@ std::optional<Duration> watchdog_limit() {
                : std::nullopt;
 }
 
+Standing standing_part(const Appliance& appliance, Instant now) {
+    const StandingPort port = appliance.standing_port();
+    if (port.fault != StandingPort::Fault::none) {
+        return {port.fault == StandingPort::Fault::unheard ? Standing::Part::port_unheard
+                                                           : Standing::Part::link_thread,
+                port.port};
+    }
+    return {appliance.gpio_thread_stands(now) ? Standing::Part::gpio_thread : Standing::Part::none};
+}
+
+std::string text_of(const Standing& standing, const Appliance& appliance) {
+    if (standing.part == Standing::Part::gpio_thread) {
+        return "the thread of the GPIO lines stands still";
+    }
+    const std::string& device = appliance.ports()[standing.port].config.device;
+    return standing.part == Standing::Part::link_thread
+               ? "the thread of " + device + " stands still"
+               : "the kernel does not report what comes at " + device;
+}
+
 }  // namespace
 
 NotifySocket NotifySocket::from_environment() {
@@ -127,7 +147,7 @@ void ServiceNotify::look_at_outputs(const Appliance& appliance, Instant now) {
         const OutputStatus status = appliance.output_status(i);
         outputs.push_back({status.due, status.period, status.overruns});
     }
-    if (watchdog_->look(now, appliance.figures_at(), outputs)) {
+    if (watchdog_->look(now, appliance.figures_at(), outputs, standing_part(appliance, now))) {
         socket_.send("WATCHDOG=1");
     }
     const Punctuality found = watchdog_->punctuality();
@@ -144,6 +164,9 @@ void ServiceNotify::look_at_outputs(const Appliance& appliance, Instant now) {
             "the data thread stands still; if it does not go on soon, the service manager restarts "
             "the program{}",
             swallowed_note(*swallowed));
+    } else if (found == Punctuality::part_stands) {
+        log_error("{}; if that does not end soon, the service manager restarts the program{}",
+                  text_of(watchdog_->standing(), appliance), swallowed_note(*swallowed));
     } else {
         log_warning(
             "output {}: half of its frames are late or missed; the machine is too slow or "

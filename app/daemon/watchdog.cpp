@@ -19,20 +19,26 @@ void Watchdog::restart() {
     watched_.reset();
     judged_.reset();
     outputs_.clear();
+    standing_ = {};
     punctuality_ = Punctuality::on_time;
 }
 
-void Watchdog::watch(Instant now, Instant published) {
-    const bool waits = watched_ == published && looked_at_;
-    watched_for_ =
-        waits ? watched_for_ + std::min(now - *looked_at_, kLongestPause) : Duration::zero();
+void Watchdog::watch(Instant now, Instant published, const Standing& standing) {
+    const Duration elapsed =
+        looked_at_ ? std::min(now - *looked_at_, kLongestPause) : Duration::zero();
+    watched_for_ = watched_ == published ? watched_for_ + elapsed : Duration::zero();
     watched_ = published;
+    stands_for_ = standing_ == standing ? stands_for_ + elapsed : Duration::zero();
+    standing_ = standing;
     looked_at_ = now;
 }
 
 Punctuality Watchdog::judge(Instant published, std::span<const OutputProgress> outputs) {
     if (watched_for_ > kFigureLife) {
         return Punctuality::data_thread_stands;
+    }
+    if (standing_.part != Standing::Part::none && stands_for_ > kFigureLife) {
+        return Punctuality::part_stands;
     }
     if (judged_ == published) {
         return punctuality_;
@@ -61,8 +67,9 @@ Punctuality Watchdog::judge(Instant published, std::span<const OutputProgress> o
     return judged;
 }
 
-bool Watchdog::look(Instant now, Instant published, std::span<const OutputProgress> outputs) {
-    watch(now, published);
+bool Watchdog::look(Instant now, Instant published, std::span<const OutputProgress> outputs,
+                    const Standing& standing) {
+    watch(now, published, standing);
     punctuality_ = judge(published, outputs);
     const bool is_fresh = now - published <= kFigureLife;
     if (punctuality_ != Punctuality::on_time || !is_fresh || now < next_notification_) {

@@ -32,6 +32,7 @@
 #include "app/journal/terminal_stream.h"
 #include "config/schema/notation.h"
 #include "core/quotes.h"
+#include "pipelines/realtime/clock.h"
 #include "transports/links/evdev/evdev_link.h"
 #include "transports/links/gpio/gpio_line.h"
 #include "transports/links/pulse_line/spi_link.h"
@@ -115,7 +116,7 @@ void take_gpio(const std::string& device, std::span<const GpioChip> chips, Repor
 void take_spi_port(const KernelFiles& files, const std::string& device, Report& report) {
     SpiFacts facts = look_at_spi_port(files, device);
     if (facts.access.may_open) {
-        const auto link = SpiLink::open(facts.device, 1.0);
+        const auto link = SpiLink::open(facts.device, 1.0, {.now = monotonic_now});
         facts.refusal = link ? "" : link.error().substr(facts.device.size() + std::strlen(": "));
     }
     append(report.findings, judge_spi_port(facts, true));

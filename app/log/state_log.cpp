@@ -17,8 +17,6 @@ namespace {
 
 /// A receiver that is on has sent hundreds of frames by then.
 constexpr Duration kFirstFrameWait = std::chrono::seconds(3);
-/// An autopilot answers once a second, and shows what it does within a few seconds.
-constexpr std::uint32_t kAnswersWithoutEffect = 10;
 
 /// Places of the counters of messages that the key does not prove.
 std::vector<std::size_t> unproved_causes(const Appliance& appliance, std::size_t input) {
@@ -246,29 +244,31 @@ void StateLog::look_at_state(const std::string& name, const OutputStatus& status
 /// A receiver that does not listen says nothing of it, as it says nothing when all is well.
 void StateLog::look_at_answers(const OutputConfig& output, const OutputStatus& status,
                                OutputMemory& memory) const {
-    const Answers& answers = status.answers;
-    if (answers.heard == 0 || !hears_effect(output)) {
+    if (!hears_answers(output)) {
         return;
     }
-    if (answers.effect) {
-        if (std::exchange(memory.no_effect_logged, false)) {
-            const LogFields fields({"TRIBUS_OUTPUT", output.name});
+    Answers answers = status.answers;
+    if (answers.heard < memory.before.heard || answers.heard_others < memory.before.heard_others) {
+        // A reload has changed what is looked for.
+        memory.before = {};
+        memory.advice.clear();
+    }
+    if (status.state.stage != OutputStage::control || !status.sends) {
+        memory.before = answers;
+    }
+    answers.heard -= memory.before.heard;
+    answers.heard_others -= memory.before.heard_others;
+    const std::string advice = output.protocol->advice_by_answers(output.settings, answers);
+    const LogFields fields({"TRIBUS_OUTPUT", output.name});
+    if (advice.empty()) {
+        if (answers.effect && !std::exchange(memory.advice, {}).empty()) {
             log_info("output {}: an answer shows its channels now", output.name);
         }
         return;
     }
-    if (answers.heard < memory.heard_before) {
-        // A reload has changed what is looked for.
-        memory.heard_before = 0;
-        memory.no_effect_logged = false;
-    }
-    if (status.state.stage != OutputStage::control || !status.sends) {
-        memory.heard_before = answers.heard;
-    } else if (answers.heard - memory.heard_before >= kAnswersWithoutEffect &&
-               !std::exchange(memory.no_effect_logged, true)) {
-        const LogFields fields({"TRIBUS_OUTPUT", output.name});
-        log_warning("output {}: {}", output.name,
-                    output.protocol->advice_without_effect(output.settings));
+    if (advice != memory.advice) {
+        log_warning("output {}: {}", output.name, advice);
+        memory.advice = advice;
     }
 }
 

@@ -72,10 +72,10 @@ class StateLog {
         std::uint32_t presets_logged = 0;
         std::uint64_t busy_drops = 0;
         std::uint64_t foreign_frames = 0;
-        /// Answers that were heard before the output was in control, and whether it was logged that
-        /// those since then show no effect.
-        std::uint32_t heard_before = 0;
-        bool no_effect_logged = false;
+        /// Answers that were heard before the output was in control, and what was logged of those
+        /// since then.
+        Answers before{};
+        std::string advice;
         RateLimit limit = log_limit();
         /// Continuous events have their own limits and leave the lines for changes of state.
         RateLimit drops_limit = log_limit();

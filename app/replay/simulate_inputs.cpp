@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -10,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/streams.h"
+#include "config/build/build.h"
 #include "config/schema/value_catalog.h"
 #include "core/quotes.h"
 #include "transports/codecs/ibus_sensor/ibus_sensor.h"
@@ -295,8 +297,29 @@ void arrive(VirtualLoop& loop, const SimulatedSource& source, const Arrival& arr
             loop.forget_read_time(source.station.index);
         }
         loop.receive(source.station, bytes, damaged, arrival.at);
+        for (const Station station : source.replies) {
+            loop.receive(station, bytes, damaged, arrival.at);
+        }
     }
 }
+
+namespace {
+
+void add_replies(const Configuration& configuration, std::vector<SimulatedSource>& sources) {
+    for (const PortPlan& plan : plan_ports(configuration)) {
+        const auto& stations = plan.wiring.stations;
+        for (SimulatedSource& source : sources) {
+            if (plan.config.medium->shape == WireShape::bytes &&
+                std::ranges::find(stations, source.station) != stations.end()) {
+                std::ranges::copy_if(
+                    stations, std::back_inserter(source.replies),
+                    [](Station other) { return other.kind == StationKind::replies; });
+            }
+        }
+    }
+}
+
+}  // namespace
 
 std::vector<SimulatedSource> simulated_sources(const Configuration& configuration) {
     std::vector<SimulatedSource> sources;
@@ -309,6 +332,7 @@ std::vector<SimulatedSource> simulated_sources(const Configuration& configuratio
                            .usual_period = input.protocol->default_period});
     }
     if (!needs_values(configuration)) {
+        add_replies(configuration, sources);
         return sources;
     }
     for (std::size_t i = 0; i < configuration.sensor_buses.size(); ++i) {
@@ -329,6 +353,7 @@ std::vector<SimulatedSource> simulated_sources(const Configuration& configuratio
                                .usual_period = kUsualTelemetryPeriod});
         }
     }
+    add_replies(configuration, sources);
     return sources;
 }
 

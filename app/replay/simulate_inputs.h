@@ -29,6 +29,8 @@ struct SimulatedSource {
     const PortConfig* port = nullptr;
     /// Time between two bursts of a recording without times.
     Duration usual_period{};
+    /// Outputs on the same line that read what comes back: they may be asked for a frame.
+    std::vector<Station> replies{};
 };
 /// All sources; inputs come first. They refer to the configuration.
 std::vector<SimulatedSource> simulated_sources(const Configuration& configuration);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "config/schema/value_catalog.h"
+#include "pipelines/realtime/clock.h"
 #include "transports/codecs/dronecan/dronecan.h"
 #include "transports/links/gpio/gpio_line.h"
 
@@ -154,6 +155,7 @@ std::vector<PortPlan> plan_ports(const Configuration& configuration) {
     std::vector<PortPlan> plans;
     const auto add = [&](StationKind kind, std::size_t index, const PortConfig& port) -> PortPlan& {
         PortPlan& plan = plan_for(plans, port);
+        plan.realtime = configuration.runtime.realtime != Realtime::off;
         plan.wiring.stations.push_back({.kind = kind, .index = index});
         return plan;
     };
@@ -168,7 +170,7 @@ std::vector<PortPlan> plan_ports(const Configuration& configuration) {
         const OutputConfig& output = configuration.outputs[i];
         PortPlan& plan = add(StationKind::output, i, output.port);
         plan.period = output.port.medium->has_period ? output.schedule.period : Duration{};
-        if (is_timed_by_receiver(output) || hears_effect(output) || is_answered(output)) {
+        if (is_timed_by_receiver(output) || hears_answers(output) || is_answered(output)) {
             add(StationKind::replies, i, output.port);
         }
     }
@@ -200,7 +202,8 @@ LinkUse link_use(const Stations& stations, const PortPlan& plan) {
                 .way = plan.config.medium->users != Users::one               ? SettingScope::both
                        : first_of(plan.wiring.stations, StationKind::output) ? SettingScope::output
                                                                              : SettingScope::input,
-                .period = plan.period};
+                .period = plan.period,
+                .worker = {.now = monotonic_now, .realtime = plan.realtime}};
     for (const Station& station : plan.wiring.stations) {
         append(use.wanted, stations.wanted_ids(station));
         append(use.sent, stations.sent_ids(station));

@@ -30,6 +30,8 @@ struct PortPlan {
     PortWiring wiring;
     /// The output's period, on a medium with a period.
     Duration period{};
+    /// Whether threads of the link ask for real-time scheduling.
+    bool realtime = true;
 };
 
 /// The sources of codecs on a machine. Simulations have none of them.

@@ -86,27 +86,72 @@ class NameCheck {
     std::vector<std::string> unsound_;
 };
 
-void check_unit(const NamedValue& value, const SensorField& field, Location where,
-                Mistakes& mistakes) {
-    if (value.unit.empty() || field.unit.empty() || unit_conversion(value.unit, field.unit)) {
+/// Where a value is sent, in words.
+struct SentTo {
+    std::string_view unit;
+    std::string_view sink;
+    std::string_view advice;
+};
+
+void check_unit(const NamedValue& value, const SentTo& to, Location where, Mistakes& mistakes) {
+    if (may_be_sent(value.unit, to.unit)) {
         return;
     }
-    const std::string unknown = is_known_unit(value.unit) ? "" : ", an unknown unit";
-    mistakes.add(where, fmt::format("{} is in {}{}, but this sensor sends {}; add scale = N, the "
-                                    "factor for the value (scale = 1: unchanged)",
-                                    in_quotes(value.name), in_quotes(value.unit), unknown,
-                                    in_quotes(field.unit)));
+    const auto unknown = [](std::string_view unit) {
+        return is_known_unit(unit) ? "" : ", an unknown unit";
+    };
+    mistakes.add(where, fmt::format("{} is in {}{}, but {} {}{}; {}", in_quotes(value.name),
+                                    in_quotes(value.unit), unknown(value.unit), to.sink,
+                                    in_quotes(to.unit), unknown(to.unit), to.advice));
+}
+
+void check_use(const ValueUse& used, NameCheck& names, Mistakes& mistakes) {
+    const NamedValue* value = names.find(used.use.name, used.where);
+    if (value != nullptr && !(used.use.takes_pulses && value->unit == "us")) {
+        check_unit(*value,
+                   {used.use.unit, "is sent here in",
+                    "name a value whose unit converts, or correct the unit that is wrong"},
+                   used.where, mistakes);
+    }
+}
+
+/// A field that no value feeds is sent as 0, and half of a position is another place.
+void check_position(const SensorConfig& sensor, Mistakes& mistakes) {
+    constexpr std::array<std::string_view, 2> kCoordinates{"latitude", "longitude"};
+    std::vector<std::size_t> missing;
+    std::size_t coordinates = 0;
+    for (std::size_t i = 0; i < sensor.type.fields.size(); ++i) {
+        if (std::ranges::find(kCoordinates, sensor.type.fields[i].name) != kCoordinates.end()) {
+            ++coordinates;
+            if (sensor.values[i].empty()) {
+                missing.push_back(i);
+            }
+        }
+    }
+    if (coordinates == kCoordinates.size() && !missing.empty()) {
+        mistakes.add(
+            sensor.where[missing.front()],
+            fmt::format("{} sends a position, and {} of it would be 0; latitude and "
+                        "longitude are needed, both",
+                        in_quotes(sensor.type.name),
+                        missing.size() == 1 ? in_quotes(sensor.type.fields[missing.front()].name)
+                                            : std::string("both")));
+    }
 }
 
 void check_sensors(const SensorBusConfig& bus, NameCheck& names, Mistakes& mistakes) {
     for (const SensorConfig& sensor : bus.sensors) {
+        check_position(sensor, mistakes);
         for (std::size_t i = 0; i < sensor.values.size(); ++i) {
             if (sensor.values[i].empty()) {
                 continue;
             }
             const NamedValue* value = names.find(sensor.values[i], sensor.where[i]);
             if (value != nullptr && !sensor.scale) {
-                check_unit(*value, sensor.type.fields[i], sensor.where[i], mistakes);
+                check_unit(*value,
+                           {sensor.type.fields[i].unit, "this sensor sends",
+                            "add scale = N, the factor for the value (scale = 1: unchanged)"},
+                           sensor.where[i], mistakes);
             }
         }
     }
@@ -159,7 +204,7 @@ void check_values(const Draft& draft, Reading reading) {
     }
     for (const OutputDraft& output : draft.outputs) {
         for (const ValueUse& use : output.used_values) {
-            names.find(use.name, use.where);
+            check_use(use, names, reading.mistakes);
         }
     }
 }

@@ -41,15 +41,17 @@ inline constexpr std::array kOutputKeys{
          .example = "true"}),
     row<&OutputConfig::schedule, &ScheduleSettings::kind>(
         {.key = "schedule",
-         .help = "When frames are sent. `follow`: when a new frame arrives, over any time at most "
-                 "once a `period`, and once a `period` while none arrives; `grid`: exactly once a "
-                 "`period`, whatever arrives",
+         .help =
+             "When frames are sent. `follow`: when a new frame arrives, over any time at most "
+             "once a `period`, and once a `period` while none arrives; `grid`: by its own clock, "
+             "whatever arrives",
          .example = "\"grid\""}),
     row<&OutputConfig::schedule, &ScheduleSettings::phase>(
         {.key = "phase",
-         .help = "With `schedule = \"grid\"`. `locked`: frames are sent just after those of the "
-                 "input arrive, so that values are fresh; `free`: the grid does not follow the "
-                 "input",
+         .help =
+             "With `schedule = \"grid\"`. `free`: exactly once a `period`; `locked`: just after "
+             "a frame of the input, so that values are fresh: each one, or each second or third "
+             "if a `period` is longer than the input's",
          .example = "\"locked\""}),
 };
 

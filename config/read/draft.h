@@ -33,9 +33,9 @@ struct LineDraft {
     bool role_sound = true;
 };
 
-/// The name of a value that an output sends.
+/// A value that an output sends.
 struct ValueUse {
-    std::string name;
+    NamedUse use;
     Location where;
 };
 

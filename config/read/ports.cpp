@@ -309,7 +309,7 @@ void read_values_used(const Protocol& protocol, const TableContent& content, Out
         return;
     }
     for (const NamedUse& use : protocol.value_names(settings)) {
-        draft.used_values.push_back({use.name, where_of(use.path, content)});
+        draft.used_values.push_back({use, where_of(use.path, content)});
     }
 }
 

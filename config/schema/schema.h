@@ -102,10 +102,9 @@ inline Duration frame_time(const OutputConfig& output) {
                : Duration::zero();
 }
 
-/// Whether answers of the receiver of its frames tell if they have an effect.
-inline bool hears_effect(const OutputConfig& output) {
-    return output.protocol->advice_without_effect != nullptr &&
-           !output.protocol->advice_without_effect(output.settings).empty();
+/// Whether answers of the receiver of its frames tell what is wrong with them.
+inline bool hears_answers(const OutputConfig& output) {
+    return output.protocol->advice_by_answers != nullptr;
 }
 
 /// Whether the receiver of its frames sets their timing.

@@ -1,6 +1,7 @@
 #include "pipelines/engine/engine.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 namespace tribus {
@@ -19,6 +20,7 @@ Engine::Engine(std::vector<InputSettings> inputs, std::vector<OutputSettings> ou
     for (OutputSettings& settings : outputs) {
         node_of_.push_back(settings.node);
         outputs_.emplace_back(std::move(settings));
+        outputs_.back().take_slews(inputs_);
         if (node_of_.back()) {
             outputs_.back().send_as(nodes_[*node_of_.back()]->identity());
         }
@@ -147,9 +149,16 @@ dronecan::NodeHealth Engine::health_of(std::size_t node) const {
 /// Returns when its last frames have been sent.
 Instant Engine::end_output(std::size_t output, Instant now) {
     constexpr int kLastFrames = 3;
-    outputs_[output].end(now);
-    due_[output] = outputs_[output].due();
-    return later(now, kLastFrames * outputs_[output].period());
+    constexpr Duration kMostOfAll = std::chrono::seconds(1);
+    Output& ended = outputs_[output];
+    ended.end(now);
+    due_[output] = ended.due();
+    if (ended.inputs().empty()) {
+        // It sends fresh values only, and then nothing.
+        return now;
+    }
+    const int frames = std::max(kLastFrames, ended.farewells());
+    return later(now, std::min(frames * ended.period(), kMostOfAll));
 }
 
 Instant Engine::end(Instant now) {

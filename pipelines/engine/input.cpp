@@ -17,6 +17,7 @@ Input::Input(InputSettings settings, std::uint8_t index)
     supervisor_.ask(decoder());
     if (!settings.channels.empty()) {
         map_.emplace(settings.channels);
+        has_slews_ = map_->has_slews();
     }
 }
 
@@ -133,18 +134,35 @@ void Input::judge(Instant now) {
     ongoing_.state = fresh;
 }
 
+/// Between two frames of the input, slews go on towards what the latest one said.
+[[gnu::noinline]] void Input::move_slews(Instant now) {
+    if (supervisor_.alive(now)) {
+        mapped_ = map_->apply(supervisor_.control(), now);
+    }
+}
+
+/// The time of a loss is no time for its slews to move.
+[[gnu::noinline]] void Input::supervise_and_map(ChannelFrame& frame, Instant arrival, Instant now) {
+    if (!supervisor_.alive(arrival)) {
+        map_->rest(now);
+    }
+    supervisor_.take(frame, arrival);
+    mapped_ = map_->apply(supervisor_.control(), now);
+}
+
 void Input::take(ChannelFrame& frame, Instant arrival, Instant now) {
     frame.source = index_;
     frame.sequence = ongoing_.latest.sequence + 1;
     ++ongoing_.counts.frames;
     ongoing_.arrivals.arrived(arrival);
-    supervisor_.take(frame, arrival);
+    if (map_) {
+        supervise_and_map(frame, arrival, now);
+    } else {
+        supervisor_.take(frame, arrival);
+    }
     ongoing_.latest = frame;
     ongoing_.counts.failsafe_frames += frame.failsafe ? 1U : 0U;
     ongoing_.counts.frame_lost_frames += frame.frame_lost && !frame.failsafe ? 1U : 0U;
-    if (map_) {
-        mapped_ = map_->apply(supervisor_.control(), now);
-    }
     judge(now);
 }
 

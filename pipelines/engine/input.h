@@ -111,16 +111,21 @@ class Input {
     /// What its decoder says of frames that do not count, if it is the decoder that refuses them or
     /// marks them failsafe. Empty: it says nothing.
     FaultText fault() const;
-    /// Updates `state` and the counters of causes.
+    /// Updates `state`, the counters of causes and slews.
     void look(Instant now) {
         if (now != looked_at_) {
             judge(now);
+            if (has_slews_) {
+                move_slews(now);
+            }
         }
     }
 
     /// The values of the latest good frame, after the input's own channel rules. Marked frame-lost
     /// if the newest frame is not good.
     const ChannelFrame& control() const { return map_ ? mapped_ : supervisor_.control(); }
+    /// Its own channel rules. Null if it has none.
+    const ChannelMap* map() const { return map_ ? &*map_ : nullptr; }
     /// The latest frame as received, good or not.
     const ChannelFrame& latest() const { return ongoing_.latest; }
     const ArrivalClock& arrivals() const { return ongoing_.arrivals; }
@@ -173,6 +178,8 @@ class Input {
     bool decode(std::span<const std::uint8_t> bytes, Instant now);
     void take_decoded(Instant now);
     void judge(Instant now);
+    void move_slews(Instant now);
+    void supervise_and_map(ChannelFrame& frame, Instant arrival, Instant now);
     /// Takes a frame that arrived at `arrival`, not later than `now`. Changes its flags, as
     /// LinkSupervisor::take.
     void take(ChannelFrame& frame, Instant arrival, Instant now);
@@ -181,6 +188,7 @@ class Input {
     AnyDecoder decoder_;
     DecodedFrame decoded_;
     std::uint8_t index_;
+    bool has_slews_ = false;
 
     LinkSupervisor supervisor_;
     /// Absent: the channels pass unchanged.

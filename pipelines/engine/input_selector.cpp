@@ -124,6 +124,9 @@ void InputSelector::continue_from(const InputSelector& before,
     voted_ = before.voted_ && settings_.mode == SelectionMode::median;
     position_ = same_choice ? before.position_ : std::nullopt;
     frame_ = before.frame_;
+    if (slew_limits_) {
+        slew_limits_->start(frame_);
+    }
     outvoted_count_ = before.outvoted_count_;
 }
 

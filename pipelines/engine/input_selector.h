@@ -3,6 +3,7 @@
 #include <bitset>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "pipelines/engine/input.h"
 #include "pipelines/engine/output_wait.h"
 #include "pipelines/rules/settings.h"
+#include "pipelines/rules/slew_limits.h"
 
 namespace tribus {
 
@@ -41,6 +43,14 @@ class InputSelector {
     /// has outvoted it. True for an input that is not one of `inputs()`.
     bool could_use(std::size_t input, Instant now, Instant until, std::span<const Input> inputs,
                    bool bridging) const;
+
+    /// Takes the slews in the maps of its inputs, of the engine's `inputs`. Call once, at the
+    /// start.
+    void take_slews(std::span<const Input> inputs);
+    bool has_slews() const { return slew_limits_ != nullptr; }
+    /// Keeps the values of the latest selection within those slews, so much time after the
+    /// selection before. `anew`: the values before do not count. Requires `has_slews()`.
+    void keep_slews(bool anew, Duration passed);
 
     /// Takes over the state of `before`. `carried` gives, for each input of the engine, the input
     /// before from which it continues. Such an input stays trusted; a new one has to earn trust. An
@@ -130,6 +140,8 @@ class InputSelector {
     /// Channels on which a majority of three or more inputs agrees.
     std::bitset<kChannelCount> majority_;
     std::uint64_t outvoted_count_ = 0;
+    /// Null if no map of an input has a slew.
+    std::unique_ptr<SlewLimits> slew_limits_;
 };
 
 }  // namespace tribus

@@ -195,10 +195,34 @@ void Output::set_device_present(bool present) {
     }
 }
 
+/// A limit that still leads back from the presets does not end before it has.
+void Output::glide_to_another_input() {
+    if (!changeover_us_per_second_) {
+        return;
+    }
+    if (ongoing_.made_frame) {
+        ongoing_.glide.start_anew(ongoing_.latest, *changeover_us_per_second_, ongoing_.latest_at);
+    } else {
+        ongoing_.glide.stop();
+    }
+}
+
+/// What was held until the latest frame did not move until then.
+[[gnu::noinline]] void Output::rest_slews() {
+    map_.rest(ongoing_.latest_at);
+    ongoing_.glide.rest(ongoing_.latest_at);
+}
+
 /// The frame of the selected input. False while `release_when` does not hold.
 bool Output::make_control_frame(ChannelFrame& frame, Instant now) {
-    frame = map_.apply(selector_.frame(), now);
     const bool returns = ongoing_.stage == OutputStage::failsafe;
+    if (ongoing_.stage != OutputStage::control) {
+        rest_slews();
+    }
+    if (selector_.has_slews()) {
+        selector_.keep_slews(returns, now - ongoing_.latest_at);
+    }
+    frame = map_.apply(selector_.frame(), now);
     ongoing_.awaits_release =
         returns && failsafe_.release_when && !failsafe_.release_when->matches(frame);
     if (ongoing_.awaits_release) {
@@ -210,7 +234,7 @@ bool Output::make_control_frame(ChannelFrame& frame, Instant now) {
         glide_from_latest(failsafe_.slew_us_per_second);
     } else if (selector_.changed_over()) {
         ++ongoing_.counts.changeovers;
-        glide_from_latest(changeover_us_per_second_);
+        glide_to_another_input();
     }
     ongoing_.stage = OutputStage::control;
     valid_until_ = selector_.alive_until();
@@ -262,6 +286,7 @@ bool Output::make_frame(ChannelFrame& frame, Instant now, std::span<const Input>
         if (!yielding && end_of_period < valid_until_) {
             frame = *ongoing_.held;
             frame.frame_lost = true;
+            frame.held = true;
             return true;
         }
         enter_failsafe();
@@ -272,16 +297,16 @@ bool Output::make_frame(ChannelFrame& frame, Instant now, std::span<const Input>
 /// Replaces absent channels by their presets if the format cannot mark a channel as absent.
 [[gnu::noinline]] void Output::fill_absent(ChannelFrame& frame, Instant now) {
     const std::uint32_t needed = encoder_.encoder().needed_channels(frame);
-    std::uint32_t missing = needed & frame.absent();
-    if (missing == 0) {
+    const std::uint32_t absent = needed & frame.absent();
+    if (absent == 0) {
         return;
     }
-    by_preset_ = missing & mapped_channels_;
-    for (; missing != 0; missing &= missing - 1) {
+    by_preset_ = absent & mapped_channels_;
+    for (std::uint32_t missing = absent; missing != 0; missing &= missing - 1) {
         const auto channel = static_cast<std::size_t>(std::countr_zero(missing));
         frame.set(channel, failsafe_.presets[channel]);
     }
-    map_.restart_from(frame, now);
+    map_.restart_from(frame, now, absent);
 }
 
 /// No channels leave that the encoder withholds, whatever the link hands over.

@@ -120,6 +120,8 @@ class Output {
     void start(Instant now) { schedule_.start(now); }
     /// Sets the source of named values. Call before `start`. `board` must outlive the output.
     void use(const ValueBoard& board) { encoder_.encoder().use(board); }
+    /// Takes the slews in the maps of its inputs, of the engine's `inputs`. Call before `start`.
+    void take_slews(std::span<const Input> inputs) { selector_.take_slews(inputs); }
     /// Takes over at `now` from `before`, an output of the same protocol on the same port: its
     /// stage, schedule and counters. Other settings apply from the next frame on. If the input in
     /// control was removed, it counts as lost.
@@ -146,6 +148,8 @@ class Output {
     void run(Instant now, std::span<const Input> inputs);
     /// Enters failsafe for good: the program is about to end.
     void end(Instant now);
+    /// How many last frames it wants to send after `end`. 0: as many as any output.
+    int farewells() const { return encoder_.encoder().farewells(); }
     /// While `on`, no input has control. Afterwards `recover` applies, as after a loss.
     void force_failsafe(bool on, Instant now);
     /// Selects the input at that index of `inputs()`. `nullopt`: no selection.
@@ -240,6 +244,8 @@ class Output {
     void look_for_withheld();
     void enter_failsafe();
     void glide_from_latest(std::optional<double> us_per_second);
+    void glide_to_another_input();
+    void rest_slews();
     void take_up_channels();
     void fill_absent(ChannelFrame& frame, Instant now);
 

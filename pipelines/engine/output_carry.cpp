@@ -35,15 +35,15 @@ void Output::continue_from(Output& before, const OutputCarry& carry,
     ongoing_.stage = ongoing_.held ? ongoing_.stage : OutputStage::failsafe;
 }
 
-/// For a changed map: slews start from the latest frame, and held values become those that the new
-/// map makes of the same input.
+/// For a changed map: slews start from the latest frame, whenever that was, and held values become
+/// those that the new map makes of the same input.
 void Output::take_up_channels() {
-    if (ongoing_.made_frame) {
-        map_.restart_from(ongoing_.latest, ongoing_.latest_at);
-    }
+    map_.restart_from(ongoing_.latest, ongoing_.latest_at);
     if (ongoing_.held) {
         const ChannelFrame said = *ongoing_.held;
         ongoing_.held = map_.apply(selector_.frame(), ongoing_.latest_at);
+        ongoing_.glide.rest(ongoing_.latest_at);
+        ongoing_.glide.apply(*ongoing_.held, ongoing_.latest_at);
         ongoing_.held->frame_lost = said.frame_lost;
         ongoing_.held->failsafe = said.failsafe;
         ongoing_.held->cause = said.cause;

@@ -30,7 +30,13 @@ void* DataThread::main(void* self) {
     if (thread.cancelled_) {
         return nullptr;
     }
-    for (Loop* loop = thread.loop_->run(); loop != nullptr; loop = loop->run()) {
+    Loop* loop = thread.loop_;
+    while (Loop* next = loop->run()) {
+        loop = next;
+        thread.handed_over_.release();
+    }
+    if (loop->failure() != 0) {
+        thread.failure_.store(loop->failure(), std::memory_order_release);
         thread.handed_over_.release();
     }
     return nullptr;
@@ -57,6 +63,14 @@ void DataThread::hand_over_to(Loop& next, LoopCarry carry) {
     loop_->hand_over_to(next, std::move(carry));
     handed_over_.acquire();
     loop_ = &next;
+}
+
+std::string DataThread::failure() const {
+    const int error = failure_.load(std::memory_order_acquire);
+    return error == 0
+               ? std::string()
+               : std::string("the data thread cannot wait for its ports: ") + std::strerror(error) +
+                     "; a filter of system calls must allow ppoll and epoll_pwait";
 }
 
 void DataThread::join() {

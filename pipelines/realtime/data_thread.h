@@ -2,6 +2,7 @@
 
 #include <pthread.h>
 
+#include <atomic>
 #include <semaphore>
 #include <string>
 #include <vector>
@@ -30,8 +31,10 @@ class DataThread {
     /// Starts the loop. Call after `prepare`.
     void run();
     /// The loop hands over to `next`. Returns when `next` runs and the loop before is no longer
-    /// used.
+    /// used, also when the thread has ended by itself and `next` will never run.
     void hand_over_to(Loop& next, LoopCarry carry);
+    /// Why the thread has ended by itself, as a sentence. Empty: it has not.
+    std::string failure() const;
     /// Waits until the loop has ended, which `Loop::request_end` requests.
     void join();
 
@@ -44,6 +47,7 @@ class DataThread {
     std::binary_semaphore prepared_{0};
     std::binary_semaphore go_{0};
     std::binary_semaphore handed_over_{0};
+    std::atomic<int> failure_{0};  ///< a value of errno
     bool cancelled_ = false;
     bool started_ = false;
     bool released_ = false;

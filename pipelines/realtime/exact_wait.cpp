@@ -24,7 +24,7 @@ int wait_exactly(int epoll, epoll_event* events, int most, const timespec& timeo
 
 bool has_epoll_pwait2(int epoll) {
     epoll_event event{};
-    return wait_exactly(epoll, &event, 1, {}) >= 0 || errno != ENOSYS;
+    return wait_exactly(epoll, &event, 1, {}) >= 0 || errno == EINTR;
 }
 
 int wait_for_events(int epoll, std::span<epoll_event> events, const timespec& timeout,

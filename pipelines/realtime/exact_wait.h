@@ -7,7 +7,8 @@
 
 namespace tribus {
 
-/// Whether the kernel has epoll_pwait2 (Linux 5.11). `epoll` is any epoll descriptor.
+/// Whether epoll_pwait2 works: the kernel has it (Linux 5.11), and no filter of system calls
+/// refuses it. `epoll` is any epoll descriptor.
 bool has_epoll_pwait2(int epoll);
 
 /// epoll_wait with a timeout in nanoseconds. Returns the number of events, or -1 with errno set.

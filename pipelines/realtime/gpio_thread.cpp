@@ -152,7 +152,9 @@ void GpioThread::read_inputs(Instant now, bool all) {
 }
 
 void GpioThread::read_input(Line& line, Instant now) {
+    kept_by_kernel_.store(true, std::memory_order_release);
     const std::optional<bool> level = line.held->input->read();
+    kept_by_kernel_.store(false, std::memory_order_release);
     const std::optional<Duration> edge = line.held->input->latest_edge();
     std::optional<Instant> edge_at;
     if (edge) {
@@ -195,7 +197,10 @@ void GpioThread::set_line(Line& line, bool active) {
         return;
     }
     line.last_set = active;
-    if (!line.held->output->set(active)) {
+    kept_by_kernel_.store(true, std::memory_order_release);
+    const bool is_set = line.held->output->set(active);
+    kept_by_kernel_.store(false, std::memory_order_release);
+    if (!is_set) {
         lose(line);
     }
 }

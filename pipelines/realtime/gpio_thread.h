@@ -57,6 +57,10 @@ class GpioThread {
     /// Ends the thread. Waves stop, lamps and switches go off, failsafe outputs keep their level.
     void end();
 
+    /// Whether the thread waits for the kernel in a call about a line, as on a chip whose bus
+    /// hangs. Thread-safe.
+    bool kept_by_kernel() const { return kept_by_kernel_.load(std::memory_order_acquire); }
+
     /// The line that was given up because its chip is gone. Null if there is none, or it was taken
     /// before.
     std::unique_ptr<HeldLine> take_lost(std::size_t line);
@@ -99,6 +103,7 @@ class GpioThread {
     std::array<pollfd, kMostLines + 1> polled_{};
     Instant next_look_{};
     std::atomic<bool> end_requested_{false};
+    std::atomic<bool> kept_by_kernel_{false};
     bool started_ = false;
     pthread_t thread_{};
 };

@@ -1,19 +1,11 @@
 #include "pipelines/realtime/loop.h"
 
 #include <pthread.h>
-#include <sys/epoll.h>
-#include <sys/eventfd.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
-#include <ctime>
 #include <utility>
 
 #include "pipelines/realtime/clock.h"
-#include "pipelines/realtime/exact_wait.h"
 
 namespace tribus {
 namespace {
@@ -26,10 +18,8 @@ constexpr Duration kMostLateness = std::chrono::milliseconds(5);
 
 /// How long the end waits for one wake-up that is late.
 constexpr Duration kMostWaitAtEnd = std::chrono::milliseconds(200);
-
-std::string error_text(const char* what) {
-    return std::string(what) + " failed: " + std::strerror(errno);
-}
+/// Longest time from the request to end to the end. A service manager waits for it.
+constexpr Duration kLongestEnd = std::chrono::seconds(1);
 
 }  // namespace
 
@@ -57,7 +47,6 @@ Loop::Loop(Engine& engine, std::vector<PortWiring> wiring, std::vector<std::uniq
         Port& port = ports_[i];
         port.wiring = wiring[i];
         port.link = std::move(links[i]);
-        port.place = std::make_unique<std::size_t>(i);
         port.pacer = ReadPacer(wiring[i].byte_time);
         std::size_t lane = 0;
         for (const Station& station : wiring[i].stations) {
@@ -80,24 +69,13 @@ Loop::~Loop() {
 }
 
 tl::expected<void, std::string> Loop::prepare() {
-    epoll_ = UniqueFd(::epoll_create1(EPOLL_CLOEXEC));
-    if (epoll_.get() < 0) {
-        return tl::unexpected(error_text("epoll_create1"));
+    if (auto prepared = waits_.prepare(ports_.size()); !prepared) {
+        return prepared;
     }
-    has_epoll_pwait2_ = has_epoll_pwait2(epoll_.get());
-    wake_up_ = UniqueFd(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
-    if (wake_up_.get() < 0) {
-        return tl::unexpected(error_text("eventfd"));
-    }
-    // Descriptors of events have no place.
-    epoll_event event{};
-    event.events = EPOLLIN;
-    if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, wake_up_.get(), &event) != 0) {
-        return tl::unexpected(error_text("epoll_ctl"));
-    }
-    if (settings_.lines != nullptr &&
-        ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, settings_.lines->data_event(), &event) != 0) {
-        return tl::unexpected(error_text("epoll_ctl"));
+    if (settings_.lines != nullptr) {
+        if (auto added = waits_.add_event(settings_.lines->data_event()); !added) {
+            return added;
+        }
     }
     for (std::size_t port = 0; port < ports_.size(); ++port) {
         watch(port);
@@ -107,7 +85,7 @@ tl::expected<void, std::string> Loop::prepare() {
 
 void Loop::request_end() {
     end_requested_.store(true, std::memory_order_release);
-    set_event(wake_up_.get());
+    set_event(waits_.wake_up());
 }
 
 [[gnu::noinline]] Instant Loop::poll_can_links(Instant now) {
@@ -158,32 +136,24 @@ std::size_t Loop::wait(Instant until) {
 std::size_t Loop::wait_until(Instant until) {
     // The time spent since the last write must not delay the wake-up.
     const Duration sleep = std::clamp(until - monotonic_now(), Duration::zero(), kLongestWait);
-    const timespec timeout = as_timespec(sleep);
-    std::array<epoll_event, kEventsPerWake> events;
-    int count = wait_for_events(epoll_.get(), events, timeout, has_epoll_pwait2_);
-    // The thread was stopped, frozen or suspended.
-    interrupted_ = count < 0;
-    if (interrupted_) {
-        count = wait_for_events(epoll_.get(), events, {}, has_epoll_pwait2_);
+    const PortWaits::Wake wake = waits_.wait(sleep, ready_);
+    interrupted_ = wake.interrupted;
+    if (wake.failed) {
+        wait_failure_.store(waits_.failure(), std::memory_order_release);
     }
-    std::size_t ready = 0;
-    for (int i = 0; i < count; ++i) {
-        const void* place = events[static_cast<std::size_t>(i)].data.ptr;
-        if (place != nullptr) {
-            ready_[ready] = *static_cast<const std::size_t*>(place);
-            if (events[static_cast<std::size_t>(i)].events != EPOLLIN) {
-                watch_again(ports_[ready_[ready]]);
-            }
-            ++ready;
-            continue;
+    for (std::size_t i = 0; i < wake.ready; ++i) {
+        if (ready_[i].hung_up) {
+            watch_again(ready_[i].port);
         }
+    }
+    if (wake.event_came) {
         event_came_ = true;
         accept_given_links();
         if (settings_.lines != nullptr) {
             settings_.lines->clear_data_event();
         }
     }
-    return ready;
+    return wake.ready;
 }
 
 void Loop::look_at_lines(Instant now) {
@@ -207,32 +177,47 @@ void Loop::look_at_lines(Instant now) {
     look_at_lines(clock_);
 }
 
+/// The thread cannot wait any more.
+[[gnu::noinline]] void Loop::end_at_once(Instant now) {
+    engine_.end(now);
+    advance(now);
+    publish(now);
+}
+
 [[gnu::flatten]] Loop* Loop::run() {
     if (!took_over_) {
         begin();
     }
     std::optional<Instant> end_at;
+    Instant latest_end = kNever;
     Instant next = advance(clock_);
     Instant now = clock_;
     while (!end_at || now < *end_at) {
         const std::size_t ready = wait(std::min({next, end_at.value_or(kNever), retire_until_}));
         now = clock_;
+        if (failure() != 0) {
+            end_at_once(now);
+            return nullptr;
+        }
         if (end_at) {
             // The last frames are sent though the thread could not run meanwhile.
-            end_at = later(*end_at, std::clamp(late_by_, Duration::zero(), kMostWaitAtEnd));
+            end_at = std::min(
+                later(*end_at, std::clamp(late_by_, Duration::zero(), kMostWaitAtEnd)), latest_end);
         }
         // Requests of other threads come with an event. One that comes just when a loop takes over
         // from another may lack it, so they are looked for with each publication too.
         const bool asked = std::exchange(event_came_, false) || retiring_ || now >= next_publish_;
         if (asked && !end_at && end_requested_.load(std::memory_order_acquire)) {
-            end_at = engine_.end(now);
+            latest_end = later(now, kLongestEnd);
+            end_at = std::min(engine_.end(now), latest_end);
         }
         look_at_lines(now);
         if (late_by_ > kMostLateness) {
             catch_up(read_until_, now);
         } else {
             for (std::size_t i = 0; i < ready; ++i) {
-                read_port(ready_[i], now);
+                ports_[ready_[i].port].reported = true;
+                read_port(ready_[i].port, now);
             }
             if (quiet_ports_ > 0) {
                 read_quiet_ports(now);
@@ -249,6 +234,7 @@ void Loop::look_at_lines(Instant now) {
             answer_can_frames(now);
         }
         if (now >= next_publish_) {
+            look_at_silent_ports(now);
             publish(now);
         }
     }

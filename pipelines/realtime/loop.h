@@ -19,6 +19,7 @@
 #include "pipelines/realtime/capture_ring.h"
 #include "pipelines/realtime/line_exchange.h"
 #include "pipelines/realtime/machine_numbers.h"
+#include "pipelines/realtime/port_waits.h"
 #include "pipelines/realtime/snapshot.h"
 #include "pipelines/realtime/timing.h"
 #include "pipelines/rules/line_words.h"
@@ -26,7 +27,6 @@
 #include "pipelines/values/value_engine.h"
 #include "transports/links/can/can_link.h"
 #include "transports/links/link.h"
-#include "transports/links/unique_fd.h"
 
 namespace tribus {
 
@@ -135,6 +135,17 @@ struct AbsenceStatus {
     Duration latest{};
 };
 
+/// A port that does not do its part though the data thread runs.
+struct StandingPort {
+    enum class Fault : std::uint8_t {
+        none,
+        unheard,  ///< what comes is not reported: it was found by a look without a report
+        thread,   ///< the link's own thread stands (`Link::stands`)
+    };
+    Fault fault = Fault::none;
+    std::size_t port = 0;
+};
+
 /// State of a named value, published for the main thread.
 struct ValueStatus {
     double number = 0;
@@ -162,8 +173,9 @@ class Loop {
     /// sentence.
     tl::expected<void, std::string> prepare();
 
-    /// Runs the loop. Returns null after `request_end`, when every output has sent its last frames,
-    /// or the next loop after `hand_over_to`. Data thread.
+    /// Runs the loop. Returns null after `request_end`, when every output has sent its last frames
+    /// or a second is over, and when the kernel refuses to wait (`failure`). Returns the next loop
+    /// after `hand_over_to`. Data thread.
     Loop* run();
 
     /// These parts enter failsafe, send their last frames and end; the others go on. Call once,
@@ -181,6 +193,8 @@ class Loop {
 
     /// Thread-safe.
     void request_end();
+    /// Why the loop ended though nobody asked for it: a value of errno. 0: it did not. Thread-safe.
+    int failure() const { return wait_failure_.load(std::memory_order_acquire); }
 
     /// The link of `port` that the data thread has given up because its device is gone. Null if
     /// there is none, or it was taken before. Main thread.
@@ -199,6 +213,8 @@ class Loop {
         return Instant(Duration(published_at_ns_.load(std::memory_order_acquire)));
     }
     AbsenceStatus absence() const { return absence_status_.read(); }
+    /// The first port that stands.
+    StandingPort standing_port() const { return standing_port_.read(); }
     /// Indices on the board.
     std::size_t value_count() const { return value_status_.size(); }
     ValueStatus value_status(std::size_t value) const { return value_status_[value].read(); }
@@ -210,14 +226,18 @@ class Loop {
     struct Port {
         PortWiring wiring;
         std::unique_ptr<Link> link;
-        /// Its own index, which the kernel returns when the link is ready. Moves with the link.
-        std::unique_ptr<std::size_t> place;
+        /// Moves with the link. Nothing: the link has no descriptor.
+        std::optional<PortWaits::Watch> watch;
         std::atomic<Link*> lost{nullptr};
         std::atomic<Link*> given{nullptr};
         Snapshot<CanLinkStatus> can_status;
         ReadPacer pacer{Duration::zero()};
         /// The port is not watched until then. `kNever`: it is watched.
         Instant quiet_until = kNever;
+        /// The link was reported as ready since the latest look at silent ports.
+        bool reported = false;
+        /// How many of these looks in a row found what was not reported.
+        int unheard = 0;
     };
     /// Port and lane of a station that sends.
     struct Route {
@@ -232,16 +252,17 @@ class Loop {
     void take_ports(Loop& before, Instant now);
     void take_link(std::size_t port, Port& before, const PortCarry& carry, Instant now);
     void read_second_sockets(Loop& before, Instant now);
-    void take_waiting(Loop& before);
     void discard_unread_of(Link& link, Instant now);
     void watch(std::size_t port);
     void set_watched(std::size_t port, bool watched);
-    void watch_again(const Port& port);
+    void watch_again(std::size_t port);
+    void end_watch(Port& port);
     void lose(Port& port);
     void set_device_present(const Port& port);
     void set_devices_present();
     void accept_given_links();
-    void read_port(std::size_t port, Instant now);
+    bool read_port(std::size_t port, Instant now);
+    void look_at_silent_ports(Instant now);
     void read_quiet_ports(Instant now);
     ReadStatus read_bytes(std::size_t port, ByteLink& link, Instant now);
     ReadStatus read_can(const PortWiring& wiring, CanLink& link, Instant now);
@@ -250,7 +271,7 @@ class Loop {
     bool end_datagram(const PortWiring& wiring, Instant at);
     bool hand_on_bytes(const PortWiring& wiring, Instant at);
     void hand_on_can(const PortWiring& wiring);
-    void end_quiet(Port& port);
+    void end_quiet(std::size_t port);
     void catch_up(Instant since, Instant now);
     ReadStatus catch_up_on_bytes(const PortWiring& wiring, ByteLink& link, Instant since,
                                  Instant now);
@@ -263,6 +284,7 @@ class Loop {
     /// Returns when to call `poll` of the links again.
     Instant poll_can_links(Instant now);
     Instant advance(Instant now);
+    void end_at_once(Instant now);
     void look_at_lines(Instant now);
     void publish(Instant now);
     void note_frame(std::size_t input, Instant at);
@@ -270,11 +292,12 @@ class Loop {
     void publish_output(std::size_t index, Instant now);
     void publish_values();
     void publish_can_status();
+    void publish_standing_port(Instant now);
     /// Returns the number of ready ports; `ready_` has their indices. Reads the clock.
     std::size_t wait(Instant until);
     std::size_t wait_until(Instant until);
 
-    static constexpr std::size_t kEventsPerWake = 64;
+    static constexpr std::size_t kPortsPerWake = 64;
     /// Limit of reads in a row. It empties the kernel's receive buffer and keeps one sender from
     /// blocking the other ports.
     static constexpr int kMostReads = 64;
@@ -292,9 +315,9 @@ class Loop {
     /// Indices of the ports that are CAN interfaces.
     std::vector<std::size_t> can_ports_;
     std::size_t quiet_ports_ = 0;
-    UniqueFd epoll_;
-    bool has_epoll_pwait2_ = true;
-    UniqueFd wake_up_;
+    PortWaits waits_;
+    /// Why the kernel refuses to wait: a value of errno.
+    std::atomic<int> wait_failure_{0};
     std::atomic<bool> end_requested_{false};
     /// Written before the flag is set and read only after it.
     Leaving leaving_;
@@ -306,7 +329,7 @@ class Loop {
     /// Set by `hand_over_to` of the loop before.
     LoopCarry carry_;
     bool took_over_ = false;
-    std::array<std::size_t, kEventsPerWake> ready_{};
+    std::array<PortWaits::Ready, kPortsPerWake> ready_{};
     /// The latest reading of the clock.
     Instant clock_{};
     /// Everything that came until then has been read.
@@ -324,6 +347,8 @@ class Loop {
     /// Frames came that a station may have to answer.
     bool can_answers_wait_ = false;
     Instant next_publish_{};
+    Instant next_look_at_ports_{};
+    Snapshot<StandingPort> standing_port_;
     std::atomic<std::int64_t> published_at_ns_{0};
     std::vector<std::atomic<std::int64_t>> newest_at_ns_;
     /// The levels that the engine has.

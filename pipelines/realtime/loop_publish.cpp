@@ -119,8 +119,23 @@ OutputStatus Loop::output_status(std::size_t output) const {
                                       settings_.machine->measured_at());
     }
     publish_can_status();
+    publish_standing_port(now);
     absence_status_.publish(absence_);
     published_at_ns_.store(now.time_since_epoch().count(), std::memory_order_release);
+}
+
+void Loop::publish_standing_port(Instant now) {
+    // A byte may come between a wait and a look, so once is no fault.
+    constexpr int kUnheardLooks = 2;
+    StandingPort standing;
+    for (std::size_t port = 0; port < ports_.size(); ++port) {
+        const bool unheard = ports_[port].unheard >= kUnheardLooks;
+        if (unheard || (ports_[port].link && ports_[port].link->stands(now))) {
+            standing = {unheard ? StandingPort::Fault::unheard : StandingPort::Fault::thread, port};
+            break;
+        }
+    }
+    standing_port_.publish(standing);
 }
 
 void Loop::publish_can_status() {

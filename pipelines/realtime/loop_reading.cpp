@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <utility>
 
 #include "pipelines/realtime/clock.h"
 #include "pipelines/realtime/loop.h"
@@ -14,6 +15,7 @@ namespace {
 constexpr std::size_t kLineBufferBytes = 4095;
 /// The default timeout of an input. A shorter absence is not reported.
 constexpr Duration kToldAbsence = std::chrono::milliseconds(100);
+constexpr Duration kSilentPortPeriod = std::chrono::seconds(1);
 
 }  // namespace
 
@@ -153,27 +155,47 @@ void Loop::hand_on_can(const PortWiring& wiring) {
     }
 }
 
-void Loop::end_quiet(Port& port) {
+void Loop::end_quiet(std::size_t index) {
+    Port& port = ports_[index];
     if (port.quiet_until != kNever) {
         port.quiet_until = kNever;
         --quiet_ports_;
-        set_watched(*port.place, true);
+        set_watched(index, true);
     }
 }
 
-void Loop::read_port(std::size_t index, Instant now) {
+/// Returns whether anything came.
+bool Loop::read_port(std::size_t index, Instant now) {
     Port& port = ports_[index];
     if (!port.link) {
-        return;
+        return false;
     }
-    end_quiet(port);
+    end_quiet(index);
     ByteLink* bytes = port.link->as_bytes();
     const ReadStatus status = bytes != nullptr ? read_bytes(index, *bytes, now)
                                                : read_can(port.wiring, *port.link->as_can(), now);
     if (status == ReadStatus::lost) {
         lose(port);
     } else if (bytes != nullptr && reception_.full) {
-        watch_again(port);
+        watch_again(index);
+    }
+    return status == ReadStatus::received;
+}
+
+/// A port may be silent because its sender is, or because the kernel does not report what comes.
+/// Once a second a read that nobody asked for finds out, and the input gets what it is due.
+[[gnu::noinline]] void Loop::look_at_silent_ports(Instant now) {
+    if (now < next_look_at_ports_) {
+        return;
+    }
+    next_look_at_ports_ = now + kSilentPortPeriod;
+    for (std::size_t index = 0; index < ports_.size(); ++index) {
+        Port& port = ports_[index];
+        const bool reads = port.link && port.link->descriptor() >= 0 &&
+                           (port.link->as_can() != nullptr || wants_bytes(port.wiring.stations));
+        const bool looks =
+            reads && !std::exchange(port.reported, false) && port.quiet_until == kNever;
+        port.unheard = looks && read_port(index, now) ? port.unheard + 1 : 0;
     }
 }
 
@@ -218,18 +240,19 @@ ReadStatus Loop::catch_up_on_bytes(const PortWiring& wiring, ByteLink& link, Ins
         ++absence_.count;
         absence_.latest = late_by_;
     }
-    for (Port& port : ports_) {
+    for (std::size_t index = 0; index < ports_.size(); ++index) {
+        Port& port = ports_[index];
         if (!port.link) {
             continue;
         }
-        end_quiet(port);
+        end_quiet(index);
         ReadStatus status = ReadStatus::nothing;
         if (CanLink* can = port.link->as_can()) {
             status = read_can(port.wiring, *can, now);
         } else if (wants_bytes(port.wiring.stations)) {
             status = catch_up_on_bytes(port.wiring, *port.link->as_bytes(), since, now);
             if (reception_.full) {
-                watch_again(port);
+                watch_again(index);
             }
         }
         if (status == ReadStatus::lost) {

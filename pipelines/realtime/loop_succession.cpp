@@ -1,5 +1,3 @@
-#include <sys/epoll.h>
-
 #include <atomic>
 #include <cstddef>
 #include <utility>
@@ -15,13 +13,14 @@ namespace tribus {
 void Loop::retire(Leaving leaving) {
     leaving_ = std::move(leaving);
     retire_requested_.store(true, std::memory_order_release);
-    set_event(wake_up_.get());
+    set_event(waits_.wake_up());
 }
 
 void Loop::hand_over_to(Loop& next, LoopCarry carry) {
     next.carry_ = std::move(carry);
-    // A running data thread takes `wake_up_` over as soon as it sees `next`.
-    const int event = wake_up_.get();
+    next.waits_.make_room(waits_);
+    // A running data thread takes this event over as soon as it sees `next`.
+    const int event = waits_.wake_up();
     successor_.store(&next, std::memory_order_release);
     set_event(event);
 }
@@ -56,7 +55,7 @@ Loop* Loop::successor(Instant now) {
     absence_ = before.absence_;
     before.accept_given_links();
     read_second_sockets(before, now);
-    take_waiting(before);
+    waits_.continue_from(before.waits_);
     take_ports(before, now);
     stations_.start(now);
     stations_.continue_from(before.stations_, carry_.engine, carry_.values, now);
@@ -91,14 +90,6 @@ void Loop::read_second_sockets(Loop& before, Instant now) {
     }
 }
 
-/// Takes the epoll descriptor of the loop before unchanged. Adding a tty anew may wait for the
-/// kernel's work on arriving bytes; where that is starved, all outputs would be late.
-void Loop::take_waiting(Loop& before) {
-    std::swap(epoll_, before.epoll_);
-    std::swap(wake_up_, before.wake_up_);
-    has_epoll_pwait2_ = before.has_epoll_pwait2_;
-}
-
 void Loop::take_ports(Loop& before, Instant now) {
     for (std::size_t port = 0; port < ports_.size(); ++port) {
         const PortCarry& carry = carry_.ports[port];
@@ -107,9 +98,9 @@ void Loop::take_ports(Loop& before, Instant now) {
         }
     }
     // The main thread closes the links that are left. Their events must not be reported any more.
-    for (const Port& port : before.ports_) {
-        if (port.link && port.link->descriptor() >= 0) {
-            ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, port.link->descriptor(), nullptr);
+    for (Port& port : before.ports_) {
+        if (port.link && port.watch) {
+            waits_.end(*port.watch, *port.link);
         }
     }
     for (std::size_t port = 0; port < ports_.size(); ++port) {
@@ -123,8 +114,10 @@ void Loop::take_link(std::size_t index, Port& before, const PortCarry& carry, In
     Port& port = ports_[index];
     port.link = std::move(before.link);
     port.lost.store(before.lost.exchange(nullptr), std::memory_order_release);
-    std::swap(port.place, before.place);
-    *port.place = index;
+    port.watch = std::exchange(before.watch, std::nullopt);
+    if (port.watch) {
+        waits_.set_port(*port.watch, index);
+    }
     if (port.wiring.byte_time == before.wiring.byte_time) {
         port.pacer = before.pacer;
     }

@@ -16,8 +16,9 @@ WriteStatus Loop::hand_over(Link& link, std::size_t lane, const Transmission& se
     if (clock_ - now > valid_for) {
         return WriteStatus::busy;
     }
-    return bytes != nullptr ? bytes->write_asked(sent.bytes())
-                            : link.as_can()->write(lane, sent.can_frames(), clock_);
+    return bytes != nullptr
+               ? bytes->write_asked(sent.bytes(), {.made = now, .valid_for = valid_for})
+               : link.as_can()->write(lane, sent.can_frames(), clock_);
 }
 
 [[gnu::noinline]] void Loop::capture(const PortWiring& wiring, const Transmission& sent,

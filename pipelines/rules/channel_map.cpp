@@ -14,11 +14,15 @@ constexpr Pulse kLeastPulse = Pulse::from_eighths(INT16_MIN);
 constexpr Pulse kGreatestPulse = Pulse::from_eighths(INT16_MAX);
 constexpr double kFullTravelEighths = 500.0 * Pulse::kEighthsPerMicrosecond;
 
-double deviation(Pulse pulse) {
-    return static_cast<double>(pulse.eighths() - kCentrePulse.eighths());
+double deviation(WidePulse pulse) {
+    return pulse - kCentrePulse.eighths();
 }
-Pulse from_deviation(double eighths) {
-    return Pulse::from_eighths(kCentrePulse.eighths() + nearest_whole(eighths));
+WidePulse from_deviation(double eighths) {
+    return static_cast<WidePulse>(kCentrePulse.eighths() + nearest_whole(eighths));
+}
+/// Zero if the frame is older than what was computed last, as after a reload.
+double nanoseconds_between(Instant since, Instant now) {
+    return static_cast<double>(std::max(now - since, Duration::zero()).count());
 }
 
 /// Reads the source of one output channel from an input frame.
@@ -26,33 +30,36 @@ struct SourceReader {
     const ChannelFrame& input;
     LineLevels lines;
 
-    std::optional<Pulse> operator()(const FromChannel& from) const {
-        return input.channel(from.channel);
+    std::optional<WidePulse> operator()(const FromChannel& from) const {
+        const std::optional<Pulse> pulse = input.channel(from.channel);
+        return pulse ? std::optional(pulse->eighths()) : std::nullopt;
     }
-    std::optional<Pulse> operator()(const Mix& mix) const {
+    std::optional<WidePulse> operator()(const Mix& mix) const {
         double sum = 0;
         for (const MixTerm& term : mix.terms) {
             if (!input.has(term.channel)) {
                 return std::nullopt;
             }
-            sum += term.weight * deviation(input.channel_or(term.channel, kCentrePulse));
+            sum += term.weight * deviation(input.channel_or(term.channel, kCentrePulse).eighths());
         }
         return from_deviation(sum);
     }
-    std::optional<Pulse> operator()(const Fixed& fixed) const { return fixed.pulse; }
-    std::optional<Pulse> operator()(const Switch& lever) const {
+    std::optional<WidePulse> operator()(const Fixed& fixed) const { return fixed.pulse.eighths(); }
+    std::optional<WidePulse> operator()(const Switch& lever) const {
         const std::optional<Pulse> pulse = input.channel(lever.channel);
         if (!pulse) {
             return std::nullopt;
         }
         const bool on =
             (lever.above && *pulse > *lever.above) || (lever.below && *pulse < *lever.below);
-        return on ? kSwitchOnPulse : kSwitchOffPulse;
+        return position(on);
     }
-    std::optional<Pulse> operator()(const FromLine& from) const {
+    std::optional<WidePulse> operator()(const FromLine& from) const {
         const std::optional<bool> level = lines.of(from.line);
-        return level ? std::optional(*level ? kSwitchOnPulse : kSwitchOffPulse) : std::nullopt;
+        return level ? std::optional(position(*level)) : std::nullopt;
     }
+
+    static WidePulse position(bool on) { return (on ? kSwitchOnPulse : kSwitchOffPulse).eighths(); }
 };
 
 std::vector<Filter> filters_of(const ChannelRule& rule) {
@@ -84,12 +91,12 @@ std::vector<Filter> filters_of(const ChannelRule& rule) {
 
 }  // namespace
 
-Pulse DeadbandFilter::apply(Pulse pulse, Instant /*now*/) {
+WidePulse DeadbandFilter::apply(WidePulse pulse, Instant /*now*/) {
     const double from_centre = deviation(pulse);
     const double size = std::abs(from_centre);
     const double edge = width.eighths();
     if (size <= edge) {
-        return kCentrePulse;
+        return kCentrePulse.eighths();
     }
     if (size >= kFullTravelEighths) {
         return pulse;
@@ -98,7 +105,7 @@ Pulse DeadbandFilter::apply(Pulse pulse, Instant /*now*/) {
     return from_deviation(std::copysign(stretched, from_centre));
 }
 
-Pulse ExpoFilter::apply(Pulse pulse, Instant /*now*/) {
+WidePulse ExpoFilter::apply(WidePulse pulse, Instant /*now*/) {
     const double travel = deviation(pulse) / kFullTravelEighths;
     if (std::abs(travel) >= 1) {
         return pulse;
@@ -107,29 +114,29 @@ Pulse ExpoFilter::apply(Pulse pulse, Instant /*now*/) {
                           kFullTravelEighths);
 }
 
-Pulse ReverseFilter::apply(Pulse pulse, Instant /*now*/) {
-    return Pulse::from_eighths(2 * kCentrePulse.eighths() - pulse.eighths());
+WidePulse ReverseFilter::apply(WidePulse pulse, Instant /*now*/) {
+    return 2 * kCentrePulse.eighths() - pulse;
 }
 
-Pulse TrimFilter::apply(Pulse pulse, Instant /*now*/) {
-    return Pulse::from_eighths(pulse.eighths() + offset.eighths());
+WidePulse TrimFilter::apply(WidePulse pulse, Instant /*now*/) {
+    return pulse + offset.eighths();
 }
 
-Pulse SlewFilter::apply(Pulse pulse, Instant now) {
-    const double wanted = pulse.eighths();
+WidePulse SlewFilter::apply(WidePulse pulse, Instant now) {
+    const double wanted = Pulse::from_eighths(pulse).eighths();
     if (!started) {
         latest_eighths = wanted;
     } else {
-        const double most = eighths_per_nanosecond * static_cast<double>((now - latest_at).count());
+        const double most = eighths_per_nanosecond * nanoseconds_between(latest_at, now);
         latest_eighths += std::clamp(wanted - latest_eighths, -most, most);
     }
     started = true;
-    latest_at = now;
-    return Pulse::from_eighths(nearest_whole(latest_eighths));
+    latest_at = std::max(latest_at, now);
+    return static_cast<WidePulse>(nearest_whole(latest_eighths));
 }
 
-Pulse LimitFilter::apply(Pulse pulse, Instant /*now*/) {
-    return std::clamp(pulse, min, max);
+WidePulse LimitFilter::apply(WidePulse pulse, Instant /*now*/) {
+    return std::clamp(pulse, min.eighths(), max.eighths());
 }
 
 StraightLanes::StraightLanes() {
@@ -146,8 +153,7 @@ bool StraightLanes::take(const ChannelRule& rule) {
     const int max = rule.max.value_or(kGreatestPulse).eighths();
     const int trim = rule.trim.eighths();
     const int mirrored = kTwiceCentre + trim;
-    const int least = rule.reverse ? std::max(mirrored - max, kTwiceCentre - INT16_MAX)
-                                   : std::max(min - trim, INT16_MIN);
+    const int least = std::max(rule.reverse ? mirrored - max : min - trim, INT16_MIN);
     const int most = std::min(rule.reverse ? mirrored - min : max - trim, INT16_MAX);
     if (least > most || least > INT16_MAX || most < INT16_MIN) {
         return false;
@@ -234,27 +240,61 @@ ChannelMap::ChannelMap(std::span<const ChannelRule> rules) {
 [[gnu::noinline]] void ChannelMap::apply_lanes(const ChannelFrame& input, ChannelFrame& output,
                                                Instant now) {
     for (Lane& lane : lanes_) {
-        std::optional<Pulse> pulse = std::visit(SourceReader{input, lines_}, lane.source);
+        std::optional<WidePulse> pulse = std::visit(SourceReader{input, lines_}, lane.source);
         if (pulse) {
             for (Filter& filter : lane.filters) {
                 pulse = std::visit([&](auto& step) { return step.apply(*pulse, now); }, filter);
             }
         }
-        output.set(lane.output, pulse);
+        output.set(lane.output, pulse ? std::optional(Pulse::from_eighths(*pulse)) : std::nullopt);
     }
 }
 
-void ChannelMap::restart_from(const ChannelFrame& frame, Instant now) {
+template <class Action>
+void ChannelMap::for_each_slew(Action action) {
     for (Lane& lane : lanes_) {
         for (Filter& filter : lane.filters) {
-            auto* slew = std::get_if<SlewFilter>(&filter);
-            if (slew != nullptr && frame.has(lane.output)) {
-                slew->started = true;
-                slew->latest_eighths = frame.channel_or(lane.output, kCentrePulse).eighths();
-                slew->latest_at = now;
+            if (auto* slew = std::get_if<SlewFilter>(&filter)) {
+                action(lane.output, *slew);
             }
         }
     }
+}
+
+void ChannelMap::restart_from(const ChannelFrame& frame, Instant now, std::uint32_t channels) {
+    const std::uint32_t restarted = channels & ~frame.absent();
+    for_each_slew([&](std::size_t channel, SlewFilter& slew) {
+        if ((restarted >> channel & 1U) != 0) {
+            slew.started = true;
+            slew.latest_eighths = frame.pulses()[channel].eighths();
+            slew.latest_at = now;
+        }
+    });
+}
+
+void ChannelMap::rest(Instant until) {
+    for_each_slew([&](std::size_t /*channel*/, SlewFilter& slew) { slew.rest(until); });
+}
+
+std::optional<double> ChannelMap::slew_of(std::size_t channel) const {
+    for (const Lane& lane : lanes_) {
+        for (const Filter& filter : lane.filters) {
+            const auto* slew = std::get_if<SlewFilter>(&filter);
+            if (slew != nullptr && lane.output == channel) {
+                return slew->eighths_per_nanosecond;
+            }
+        }
+    }
+    return std::nullopt;
+}
+
+bool ChannelMap::has_slews() const {
+    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+        if (slew_of(channel)) {
+            return true;
+        }
+    }
+    return false;
 }
 
 }  // namespace tribus

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <variant>
 #include <vector>
@@ -16,37 +18,44 @@
 /// The filters of a channel map. Each is a small struct; the set is closed.
 namespace tribus {
 
+/// A pulse between two filters, in eighths of a microsecond. It may lie outside of the range of
+/// Pulse: only the end of a channel's steps limits it.
+using WidePulse = std::int32_t;
+
 /// Pulses within `width` of 1500 us become 1500 us. Pulses beyond are stretched, so that there is
 /// no step at the edge, and 1000 and 2000 us stay.
 struct DeadbandFilter {
     Pulse width;
-    Pulse apply(Pulse pulse, Instant now);
+    WidePulse apply(WidePulse pulse, Instant now);
 };
 /// Blends in a share of a cubic curve. 1000, 1500 and 2000 us stay, and so do pulses beyond.
 struct ExpoFilter {
     double share = 0;
-    Pulse apply(Pulse pulse, Instant now);
+    WidePulse apply(WidePulse pulse, Instant now);
 };
 /// Mirrors at 1500 us.
 struct ReverseFilter {
-    Pulse apply(Pulse pulse, Instant now);
+    WidePulse apply(WidePulse pulse, Instant now);
 };
 struct TrimFilter {
     Pulse offset;
-    Pulse apply(Pulse pulse, Instant now);
+    WidePulse apply(WidePulse pulse, Instant now);
 };
-/// Limits the rate of change. Starts at the first value that it gets.
+/// Limits the rate of change. Starts at the first value that it gets. Does not leave the range of
+/// Pulse, so that it is never far behind a mix that does.
 struct SlewFilter {
     double eighths_per_nanosecond = 0;
     bool started = false;
     double latest_eighths = 0;
     Instant latest_at{};
-    Pulse apply(Pulse pulse, Instant now);
+    WidePulse apply(WidePulse pulse, Instant now);
+    /// The time before `until` does not count as time to move.
+    void rest(Instant until) { latest_at = std::max(latest_at, until); }
 };
 struct LimitFilter {
     Pulse min;
     Pulse max;
-    Pulse apply(Pulse pulse, Instant now);
+    WidePulse apply(WidePulse pulse, Instant now);
 };
 using Filter =
     std::variant<DeadbandFilter, ExpoFilter, ReverseFilter, TrimFilter, SlewFilter, LimitFilter>;
@@ -109,8 +118,16 @@ class ChannelMap {
     void set_lines(LineLevels levels) { lines_ = levels; }
     LineLevels lines() const { return lines_; }
 
-    /// The output sent `frame` instead (presets): slews continue from there.
-    void restart_from(const ChannelFrame& frame, Instant now);
+    /// The output sent `frame` instead (presets): slews of these channels, one bit each, continue
+    /// from there.
+    void restart_from(const ChannelFrame& frame, Instant now,
+                      std::uint32_t channels = kAllChannels);
+    /// Slews do not count the time before `until` as time to move: the output held its values.
+    void rest(Instant until);
+    /// The limit of the rate of change of a channel, in eighths of a microsecond per nanosecond.
+    /// `nullopt`: it has none.
+    std::optional<double> slew_of(std::size_t channel) const;
+    bool has_slews() const;
 
   private:
     /// A channel that StraightLanes cannot take.
@@ -121,6 +138,8 @@ class ChannelMap {
     };
 
     void apply_lanes(const ChannelFrame& input, ChannelFrame& output, Instant now);
+    template <class Action>
+    void for_each_slew(Action action);
 
     StraightLanes straight_lanes_;
     std::vector<Lane> lanes_;

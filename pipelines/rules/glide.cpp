@@ -18,6 +18,14 @@ void Glide::start(const ChannelFrame& from, double us_per_second, Instant now) {
     }
 }
 
+void Glide::start_anew(const ChannelFrame& from, double us_per_second, Instant now) {
+    const bool on_its_way = under_way_.any();
+    const double before = eighths_per_nanosecond_;
+    start(from, us_per_second, now);
+    eighths_per_nanosecond_ =
+        on_its_way ? std::min(before, eighths_per_nanosecond_) : eighths_per_nanosecond_;
+}
+
 [[gnu::noinline]] void Glide::move(ChannelFrame& frame, Instant now) {
     const double most = eighths_per_nanosecond_ * static_cast<double>((now - latest_at_).count());
     latest_at_ = now;

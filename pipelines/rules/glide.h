@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bitset>
 
@@ -14,8 +15,12 @@ class Glide {
   public:
     /// Starts from the channels of `from`, which were sent at `now`.
     void start(const ChannelFrame& from, double us_per_second, Instant now);
+    /// The same on the way to other values: a lower limit that is still under way remains.
+    void start_anew(const ChannelFrame& from, double us_per_second, Instant now);
     /// Ends the limit for all channels.
     void stop() { under_way_.reset(); }
+    /// The time before `until` does not count as time to move: the output held its values.
+    void rest(Instant until) { latest_at_ = std::max(latest_at_, until); }
     /// Sets the channels that have not arrived to the values that they have reached. A channel that
     /// is absent in `frame` stays absent and is no longer limited.
     void apply(ChannelFrame& frame, Instant now) {

@@ -200,8 +200,11 @@ bool SensorRole::fill(std::size_t sensor, std::size_t field, Instant now, const 
     const auto data = std::span(answer.data).first(settings.type.size);
     if (number) {
         answer.until = std::min(answer.until, board.fresh_until(source->value));
-        put_raw(meaning, raw_of(meaning, *number * source->factor + source->offset), data);
-        return true;
+        const double sent = *number * source->factor + source->offset;
+        if (!lacks_sign_for(meaning, sent)) {
+            put_raw(meaning, raw_of(meaning, sent), data);
+            return true;
+        }
     }
     if (meaning.not_available) {
         put_raw(meaning, *meaning.not_available, data);

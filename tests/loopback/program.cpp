@@ -2,6 +2,8 @@
 
 #include <fcntl.h>
 #include <grp.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
 #include <sys/ioctl.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -9,7 +11,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <ctime>
@@ -52,6 +56,22 @@ void lower_limit(__rlimit_resource resource, rlim_t most) {
     limit.rlim_max = std::min(limit.rlim_max, most);
     limit.rlim_cur = limit.rlim_max;
     if (::setrlimit(resource, &limit) != 0) {
+        ::_exit(kCannotStart);
+    }
+}
+
+/// A filter of seccomp(2): a program for the numbers of system calls.
+void refuse_calls(const std::vector<long>& numbers) {
+    std::vector<sock_filter> rules{
+        BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr))};
+    for (const long number : numbers) {
+        rules.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<__u32>(number), 0, 1));
+        rules.push_back(BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EPERM));
+    }
+    rules.push_back(BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW));
+    sock_fprog program{.len = static_cast<unsigned short>(rules.size()), .filter = rules.data()};
+    if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 ||
+        ::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) != 0) {
         ::_exit(kCannotStart);
     }
 }
@@ -123,6 +143,9 @@ void Program::become(const std::vector<std::string>& arguments, const ProgramSet
     }
     if (settings.most_descriptors != 0) {
         lower_limit(RLIMIT_NOFILE, settings.most_descriptors);
+    }
+    if (!settings.refused_calls.empty()) {
+        refuse_calls(settings.refused_calls);
     }
     std::string name = settings.executable;
     std::vector<std::string> words = arguments;

@@ -52,6 +52,9 @@ struct ProgramSettings {
     bool ordinary_user = false;
     std::size_t most_locked_bytes = 8 << 20;  ///< limit of an ordinary user
     std::size_t most_descriptors = 0;         ///< 0: as many as the tests
+    /// Numbers of system calls that a filter refuses with EPERM, as systemd's SystemCallFilter= and
+    /// containers do.
+    std::vector<long> refused_calls = {};
 };
 
 /// A running program, with the heap trap. It is killed with its object, and when the test dies.

@@ -172,8 +172,13 @@ class ByteDecoder : public DecoderReport {
 struct Answers {
     /// Signs of life since the encoder was made.
     std::uint32_t heard = 0;
+    /// The same of receivers that the frames are not for, and the number of the latest of them.
+    std::uint32_t heard_others = 0;
+    std::uint8_t other = 0;
     /// An answer has shown channels that were sent.
     bool effect = false;
+    /// What the receiver is, by the protocol's own number. Meaningless before `heard`.
+    std::uint16_t kind = 0;
 };
 
 /// Why an encoder writes no channels.
@@ -228,6 +233,10 @@ class Encoder {
     /// Continues where `before`, an encoder of the same protocol and settings, ended, so that
     /// receivers see one sender.
     virtual void continue_from(const Encoder& /*before*/) {}
+
+    /// How often it wants to be asked for a frame after the end, to say that no more will follow.
+    /// Constant.
+    virtual int farewells() const { return 0; }
 
     /// What was heard of the receiver.
     virtual Answers answers() const { return {}; }

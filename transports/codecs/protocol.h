@@ -31,6 +31,10 @@ struct NamedUse {
     std::string name;
     /// The key that names the value. Inside a tree: the keys that lead to it.
     std::vector<std::string> path;
+    /// In which it is sent; a value whose unit does not convert to it is refused. Empty: any.
+    std::string unit{};
+    /// Whether a pulse in us will do, too.
+    bool takes_pulses = false;
 };
 
 /// The bytes with which each frame of a protocol on bytes begins, as far as they are always the
@@ -116,10 +120,10 @@ struct Protocol {
     /// output reads what comes back (ByteEncoder::hear), and its schedule is a grid. Null: never.
     bool (*is_timed_by_receiver)(const SettingValues&) = nullptr;
 
-    /// What to check when the receiver of an output's frames answers, but no answer shows an effect
-    /// of them. Such an output reads what comes back (ByteEncoder::hear, Encoder::answers). Null or
-    /// empty: the answers tell nothing.
-    std::string (*advice_without_effect)(const SettingValues&) = nullptr;
+    /// What is wrong by the answers of the receiver of an output's frames, and what to check. Their
+    /// counts begin with control. Such an output reads what comes back (ByteEncoder::hear,
+    /// Encoder::answers). Empty: nothing is. Null: receivers do not answer.
+    std::string (*advice_by_answers)(const SettingValues&, const Answers&) = nullptr;
 
     /// The name of the link, if messages on it are proved by a key: what both ends of one link
     /// share, and no other link with that key. Its inputs answer their senders, and its outputs

@@ -5,17 +5,12 @@
 namespace tribus {
 
 void SentNumber::find(const ValueBoard& board, std::string_view name, std::string_view unit) {
+    board_ = nullptr;
     const auto index = board.find(name);
-    if (!index) {
-        return;
-    }
-    const std::string_view own = board.value(*index).unit;
-    const auto conversion = unit_conversion(own, unit);
-    const bool measures_something_else = !conversion && !unit.empty() && is_known_unit(own);
-    if (!measures_something_else) {
+    if (index && may_be_sent(board.value(*index).unit, unit)) {
         board_ = &board;
         index_ = *index;
-        conversion_ = conversion.value_or(UnitConversion{});
+        conversion_ = unit_conversion(board.value(*index).unit, unit).value_or(UnitConversion{});
     }
 }
 

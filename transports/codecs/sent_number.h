@@ -14,9 +14,8 @@ namespace tribus {
 class SentNumber {
   public:
     /// Finds the value on the board, which must outlive this object. There will be no number if the
-    /// board lacks the name, or if the unit of the value measures something else than `unit`. A
-    /// value without a unit, or with an unknown one, is taken as it is. `unit` empty: any. For the
-    /// start.
+    /// board lacks the name, or if the unit of the value does not convert to `unit`, which `check`
+    /// refuses. Where one of both is empty, the number is taken as it is. For the start.
     void find(const ValueBoard& board, std::string_view name, std::string_view unit);
 
     /// The number in the unit of `find`. Nothing if it is stale or not finite.

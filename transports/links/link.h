@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "core/time.h"
 #include "core/write_status.h"
 
 namespace tribus {
@@ -32,6 +33,12 @@ enum class ReadStatus : std::uint8_t {
     lost,      ///< the device is gone; the link stays lost until it is opened again
 };
 
+/// When a frame was made, and how old it may be when the kernel takes it.
+struct FrameLife {
+    Instant made{};
+    Duration valid_for = Duration::max();
+};
+
 class ByteLink;
 class CanLink;
 
@@ -49,6 +56,9 @@ class Link {
     /// look waits for the kernel's worker that hands over arriving bytes (n_tty_poll calls
     /// tty_buffer_flush_work), and a real-time thread has just taken the processor from it.
     virtual bool wakes_at_each_arrival() const { return false; }
+    /// Whether a thread of the link gets no processor time, or has died, so what it is to hand over
+    /// stays. A thread that the kernel keeps does not count.
+    virtual bool stands(Instant /*now*/) const { return false; }
     /// This link as its kind; the other function returns null.
     virtual ByteLink* as_bytes() { return nullptr; }
     virtual CanLink* as_can() { return nullptr; }
@@ -63,9 +73,13 @@ class ByteLink : public Link {
     virtual WriteStatus write(std::span<const std::uint8_t> frame) = 0;
     /// `write` in two steps, so that the caller can read the clock in between: a thread that is
     /// stopped stops at the end of a system call. `ask` makes all system calls except that of
-    /// `write_asked`. Call `write_asked` directly after `ask` returned `written`, or not at all.
+    /// `write_asked`. Call `write_asked` directly after `ask` returned `written`, or not at all. A
+    /// link that hands frames over later, on a thread of its own, drops them when `life` is over.
     virtual WriteStatus ask() { return WriteStatus::written; }
-    virtual WriteStatus write_asked(std::span<const std::uint8_t> frame) { return write(frame); }
+    virtual WriteStatus write_asked(std::span<const std::uint8_t> frame,
+                                    const FrameLife& /*life*/) {
+        return write(frame);
+    }
     /// Discards all bytes that wait to be read.
     virtual void discard_unread() = 0;
     ByteLink* as_bytes() final { return this; }

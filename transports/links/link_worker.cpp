@@ -1,13 +1,12 @@
 #include "transports/links/link_worker.h"
 
-#include <poll.h>
 #include <sched.h>
 #include <sys/eventfd.h>
-#include <sys/timerfd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
-#include <cstdint>
+#include <chrono>
 #include <cstring>
 #include <system_error>
 #include <utility>
@@ -18,8 +17,16 @@ namespace {
 constexpr std::uint64_t kOnce = 1;
 /// Many times longer than a transfer on I2C, and shorter than the time after which a receiver that
 /// fell silent is failsafe.
-constexpr itimerspec kMostOfAPart{.it_interval = {},
-                                  .it_value = {.tv_sec = 0, .tv_nsec = 200'000'000}};
+constexpr Duration kMostOfAPart = std::chrono::milliseconds(200);
+/// Twice the life of a frame is less than a busy machine may delay a thread, where frames are
+/// short.
+constexpr Duration kLeastPatience = std::chrono::milliseconds(20);
+/// Longer than a machine delays a thread that it does not starve.
+constexpr Duration kLongestDelay = std::chrono::seconds(1);
+
+std::int64_t as_number(Instant instant) {
+    return instant.time_since_epoch().count();
+}
 
 }  // namespace
 
@@ -31,12 +38,12 @@ LinkWorker::~LinkWorker() {
     }
 }
 
-std::string LinkWorker::start(std::function<WriteStatus()> work) {
+std::string LinkWorker::start(const WorkerSettings& settings, std::function<WriteStatus()> work) {
     wake_up_ = UniqueFd(::eventfd(0, EFD_CLOEXEC));
-    patience_ = UniqueFd(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC));
-    if (!wake_up_.valid() || !patience_.valid()) {
+    if (!wake_up_.valid()) {
         return std::strerror(errno);
     }
+    settings_ = settings;
     work_ = std::move(work);
     try {
         thread_ = std::thread([this] { run(); });
@@ -46,37 +53,59 @@ std::string LinkWorker::start(std::function<WriteStatus()> work) {
     return {};
 }
 
-WriteStatus LinkWorker::wake() {
+WriteStatus LinkWorker::wake(const FrameLife& life) {
+    if (asked_.load() == taken_.load()) {
+        waits_since_ = life.made;
+    }
+    valid_until_ns_.store(as_number(later(life.made, life.valid_for)));
+    asked_.fetch_add(1);
     [[maybe_unused]] const auto woken = ::write(wake_up_.get(), &kOnce, sizeof kOnce);
     const WriteStatus status = status_.load();
-    return status == WriteStatus::written && hangs() ? WriteStatus::unavailable : status;
+    return status == WriteStatus::written && makes_no_progress(life) ? WriteStatus::unavailable
+                                                                     : status;
+}
+
+FrameLife LinkWorker::life_from_now() const {
+    return {.made = settings_.now(), .valid_for = kMostOfAPart};
+}
+
+bool LinkWorker::makes_no_progress(const FrameLife& life) const {
+    const Duration silence = life.made - progress();
+    if (works_.load() && silence > kMostOfAPart) {
+        return true;
+    }
+    const Duration waits = life.made - waits_since_;
+    return std::min(silence, waits) > std::max(2 * life.valid_for, kLeastPatience);
+}
+
+bool LinkWorker::stands(Instant now) const {
+    return asked_.load() != taken_.load() && !works_.load() &&
+           now - std::max(waits_since_, progress()) > kLongestDelay;
 }
 
 void LinkWorker::part_done(WriteStatus outcome) {
     if (outcome != WriteStatus::written) {
         status_.store(outcome);
     }
-    watch_next_part();
+    note_progress();
 }
 
-void LinkWorker::watch_next_part() {
-    ::timerfd_settime(patience_.get(), 0, &kMostOfAPart, nullptr);
-}
-
-bool LinkWorker::hangs() const {
-    pollfd patience{.fd = patience_.get(), .events = POLLIN, .revents = 0};
-    return works_.load() && ::poll(&patience, 1, 0) > 0;
+void LinkWorker::note_progress() {
+    progress_ns_.store(as_number(settings_.now()));
 }
 
 void LinkWorker::run() {
-    // Before everything that is not real time; refused without the right to it.
-    const sched_param priority{.sched_priority = 1};
-    ::sched_setscheduler(0, SCHED_FIFO, &priority);
+    if (settings_.realtime) {
+        // Before everything that is not real time; refused without the right to it.
+        const sched_param priority{.sched_priority = 1};
+        ::sched_setscheduler(0, SCHED_FIFO, &priority);
+    }
     std::uint64_t count = 0;
     while (!ends_.load()) {
         if (::read(wake_up_.get(), &count, sizeof count) == sizeof count && !ends_.load()) {
-            watch_next_part();
+            note_progress();
             works_.store(true);
+            taken_.store(asked_.load());
             status_.store(work_());
             works_.store(false);
         }

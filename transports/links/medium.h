@@ -14,6 +14,7 @@
 #include "core/time.h"
 #include "core/wire_shape.h"
 #include "transports/links/link.h"
+#include "transports/links/link_worker.h"
 
 namespace tribus {
 
@@ -30,6 +31,8 @@ struct LinkUse {
     SettingScope way = SettingScope::both;
     /// On a medium with a period: that of the output.
     Duration period{};
+    /// For a link with a thread of its own.
+    WorkerSettings worker = {};
 
     bool operator==(const LinkUse&) const = default;
 };

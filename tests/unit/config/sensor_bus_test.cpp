@@ -145,6 +145,24 @@ TEST_F(SensorBusConfiguration, RefusesUnitsThatDoNotFit) {
               "\"V\"; add scale = N, the factor for the value (scale = 1: unchanged)");
 }
 
+TEST_F(SensorBusConfiguration, WantsBothCoordinatesOfAPosition) {
+    EXPECT_EQ(sensor_mistake("type = \"gps_full\"\nvalues = { latitude = \"cells\" }"),
+              "11:1: \"gps_full\" sends a position, and \"longitude\" of it would be 0; latitude "
+              "and longitude are needed, both");
+    EXPECT_EQ(sensor_mistake("type = \"gps_full\"\nvalues = { longitude = \"cells\" }"),
+              "11:1: \"gps_full\" sends a position, and \"latitude\" of it would be 0; latitude "
+              "and longitude are needed, both");
+    EXPECT_EQ(sensor_mistake("type = \"gps_full\"\nvalues = { satellites = \"cells\" }"),
+              "11:1: \"gps_full\" sends a position, and both of it would be 0; latitude and "
+              "longitude are needed, both");
+    EXPECT_EQ(mistakes(std::string(kValues) + R"([sensor_bus.telemetry]
+device = "/dev/ttyA"
+role = "sensor"
+sensor = [{ type = "gps_full", values = { latitude = "cells", longitude = "cells" } }]
+)"),
+              Lines{});
+}
+
 TEST_F(SensorBusConfiguration, NamesTheTypeAndTheFieldThatWereMeant) {
     const std::string type = sensor_mistake("type = \"external_voltge\"\nvalue = \"cells\"");
     EXPECT_EQ(type.substr(0, 87),

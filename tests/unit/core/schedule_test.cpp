@@ -443,6 +443,25 @@ TEST(LockedGridSchedule, makes_no_step_shorter_than_its_period_behind_an_input_o
     }
 }
 
+/// docs/channels.md, "When an output sends".
+TEST(LockedGridSchedule, of_20_ms_serves_every_second_frame_of_an_input_of_14_ms) {
+    Schedule schedule({.kind = ScheduleKind::grid, .period = 20ms, .phase = Phase::locked});
+    ArrivalClock arrivals;
+    schedule.start(at(0ms));
+    Instant before{};
+    for (int frame = 0; frame < 1000; ++frame) {
+        const Instant arrival = at(1ms) + frame * 14ms;
+        for (; schedule.due() < arrival; schedule.done(schedule.due(), true)) {
+            if (frame > 500) {
+                EXPECT_EQ(schedule.due() - before, 28ms);
+            }
+            before = schedule.due();
+        }
+        arrivals.arrived(arrival);
+        schedule.frame_arrived(arrivals);
+    }
+}
+
 TEST(ScheduleAfterAReload, with_a_shorter_period_does_not_wait_for_the_old_deadline) {
     Schedule before({.kind = ScheduleKind::follow, .period = 1s});
     before.start(at(0ms));

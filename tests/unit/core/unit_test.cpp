@@ -7,6 +7,7 @@
 #include <optional>
 #include <ostream>
 #include <string_view>
+#include <utility>
 
 namespace tribus::unit_test {
 namespace {
@@ -82,6 +83,16 @@ TEST(UnitConversion, IsNoneFromOrToAUnitThatIsNotKnown) {
     EXPECT_EQ(unit_conversion("", "V"), std::nullopt);
     EXPECT_EQ(unit_conversion("V", ""), std::nullopt);
     EXPECT_EQ(unit_conversion("V", "sheep"), std::nullopt);
+}
+
+TEST(UnitOfASentNumber, MustConvertUnlessOneOfBothIsMissing) {
+    for (const auto& [from, to] :
+         {std::pair{"mV", "V"}, {"", "V"}, {"V", ""}, {"", ""}, {"sheep", "sheep"}}) {
+        EXPECT_TRUE(may_be_sent(from, to)) << from << " to " << to;
+    }
+    for (const auto& [from, to] : {std::pair{"degC", "V"}, {"bananas", "V"}, {"V", "bananas"}}) {
+        EXPECT_FALSE(may_be_sent(from, to)) << from << " to " << to;
+    }
 }
 
 TEST(KnownUnit, IsComparedToTheLetter) {

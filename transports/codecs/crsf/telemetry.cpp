@@ -13,14 +13,25 @@ using namespace crsf_wire;
 
 namespace {
 
+/// The number as it stands in the frame, before it is rounded.
+double scaled_number(const CrsfTelemetryField& field, double value) {
+    constexpr double kTurn = 360;
+    const double turned = field.is_turn ? value - kTurn * std::floor(value / kTurn) : value;
+    return turned * field.scale + field.offset;
+}
+
+/// Whether the number is negative and stands in a field without a sign.
+bool lacks_sign_in(const CrsfTelemetryField& field, double scaled) {
+    return !field.is_signed && scaled < -0.5;
+}
+
 /// Puts the number at the end of the payload. Returns the new length.
-std::size_t put_number(const CrsfTelemetryField& field, double value, std::span<std::uint8_t> wire,
+std::size_t put_number(const CrsfTelemetryField& field, double scaled, std::span<std::uint8_t> wire,
                        std::size_t at) {
     const double range = std::ldexp(1.0, static_cast<int>(8 * field.bytes));
     const double least = field.is_signed ? -range / 2 : 0;
     const double most = field.is_signed ? range / 2 - 1 : range - 1;
-    const double scaled = std::clamp(value * field.scale + field.offset, least, most);
-    const auto bits = static_cast<std::uint64_t>(std::llround(scaled));
+    const auto bits = static_cast<std::uint64_t>(std::llround(std::clamp(scaled, least, most)));
     for (std::size_t byte = 0; byte < field.bytes; ++byte) {
         wire[at + byte] = static_cast<std::uint8_t>(bits >> (8 * (field.bytes - 1 - byte)));
     }
@@ -81,7 +92,11 @@ std::size_t CrsfTelemetryEncoder::write_frame(std::size_t index, std::span<std::
             return 0;
         }
         if (frame.texts.empty()) {
-            at = put_number(field, *value, wire, at);
+            const double scaled = scaled_number(field, *value);
+            if (lacks_sign_in(field, scaled)) {
+                return 0;
+            }
+            at = put_number(field, scaled, wire, at);
             continue;
         }
         const std::string* text = text_of(frame, *value);

@@ -28,6 +28,7 @@ struct CrsfTelemetryField {
     double offset = 0;
     std::size_t bytes = 2;
     bool is_signed = false;
+    bool is_turn = false;  ///< degrees from 0 to 360; others are turned there
 };
 
 /// A frame of one type.
@@ -45,8 +46,8 @@ std::vector<CrsfTelemetryFrame> crsf_telemetry_frames(const SettingValues& setti
                                                       std::vector<SettingMistake>& mistakes);
 
 /// Writes one frame each time, in turn. A frame of which a value is missing or too old is left out,
-/// and one with a value whose unit measures something else. A value without a unit, or with an
-/// unknown one, is taken as it is.
+/// and one with a negative number in a field without a sign. A value without a unit is taken as it
+/// is.
 class CrsfTelemetryEncoder final : public ByteEncoder {
   public:
     explicit CrsfTelemetryEncoder(std::vector<CrsfTelemetryFrame> frames);

@@ -18,6 +18,7 @@ enum class TelemetryForming : std::uint8_t {
     straight,
     altitude,  ///< dm + 10000 of less than 8000, else metres in the low 15 bits
     climb,     ///< finer around 0: +-25 m/s in a byte
+    turn,      ///< straight; degrees from 0 to 360, whatever is counted
 };
 
 /// A number in a message, high byte first. Straight: value * scale + offset.
@@ -54,14 +55,15 @@ inline constexpr std::uint8_t kTelemetrySource = 0;
 
 inline constexpr double kTenThousandthRadiansADegree = 10'000 * std::numbers::pi / 180;
 inline constexpr std::array kBatteryNumbers{
-    TelemetryNumber{"voltage", "V", 2, false, 10}, TelemetryNumber{"current", "A", 2, false, 10},
+    TelemetryNumber{"voltage", "V", 2, false, 10}, TelemetryNumber{"current", "A", 2, true, 10},
     TelemetryNumber{"consumed", "mAh", 3}, TelemetryNumber{"remaining", "%", 1}};
-inline constexpr std::array kGpsNumbers{TelemetryNumber{"latitude", "deg", 4, true, 1e7},
-                                        TelemetryNumber{"longitude", "deg", 4, true, 1e7},
-                                        TelemetryNumber{"speed", "km/h", 2, false, 10},
-                                        TelemetryNumber{"heading", "deg", 2, false, 100},
-                                        TelemetryNumber{"altitude", "m", 2, false, 1, 1000},
-                                        TelemetryNumber{"satellites", "", 1}};
+inline constexpr std::array kGpsNumbers{
+    TelemetryNumber{"latitude", "deg", 4, true, 1e7},
+    TelemetryNumber{"longitude", "deg", 4, true, 1e7},
+    TelemetryNumber{"speed", "km/h", 2, false, 10},
+    TelemetryNumber{"heading", "deg", 2, false, 100, 0, TelemetryForming::turn},
+    TelemetryNumber{"altitude", "m", 2, false, 1, 1000},
+    TelemetryNumber{"satellites", "", 1}};
 inline constexpr std::array kAttitudeNumbers{
     TelemetryNumber{"pitch", "deg", 2, true, kTenThousandthRadiansADegree},
     TelemetryNumber{"roll", "deg", 2, true, kTenThousandthRadiansADegree},

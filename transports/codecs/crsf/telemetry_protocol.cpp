@@ -79,7 +79,8 @@ CrsfTelemetryField field_of(const TelemetryNumber& number, std::string value, Pa
             .scale = number.scale,
             .offset = number.offset,
             .bytes = number.bytes,
-            .is_signed = number.is_signed};
+            .is_signed = number.is_signed,
+            .is_turn = number.forming == TelemetryForming::turn};
 }
 
 /// Reads the keys into frames.
@@ -278,7 +279,7 @@ std::vector<NamedUse> telemetry_values(const SettingValues& settings) {
     for (const CrsfTelemetryFrame& frame : crsf_telemetry_frames(settings, ignored)) {
         for (const CrsfTelemetryField& field : frame.fields) {
             if (!field.value.empty()) {
-                uses.push_back({field.value, field.path});
+                uses.push_back({field.value, field.path, std::string(field.unit)});
             }
         }
     }

@@ -50,6 +50,7 @@ double number_at(std::span<const std::uint8_t> payload, std::size_t at,
         case TelemetryForming::climb:
             return packed_climb(raw);
         case TelemetryForming::straight:
+        case TelemetryForming::turn:
             break;
     }
     return (raw - number.offset) / number.scale;

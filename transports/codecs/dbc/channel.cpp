@@ -173,9 +173,25 @@ void write_dbc_channel(const DbcChannel& channel, std::optional<Pulse> pulse, bo
     write_status(channel.positive, !centred && value > 0 ? kYes : kNo, data);
 }
 
+namespace {
+
+/// Whether the number is negative and the nearest that the signal can carry is not.
+bool lacks_sign(const DbcValue& value, double number) {
+    if (number >= 0) {
+        return false;
+    }
+    const double limited =
+        value.range ? std::clamp(number, (*value.range)[0], (*value.range)[1]) : number;
+    const double sent = value.layout.physical(value.layout.bits_from_physical(limited));
+    const double step = std::abs(value.layout.physical(1) - value.layout.physical(0));
+    return sent >= 0 && sent - number > step / 2;
+}
+
+}  // namespace
+
 bool write_dbc_value(const DbcValue& value, std::optional<double> number,
                      std::span<std::uint8_t> data) {
-    if (!number || std::isnan(*number)) {
+    if (!number || std::isnan(*number) || lacks_sign(value, *number)) {
         if (value.not_available) {
             value.layout.set_raw_bits(data, *value.not_available);
         }

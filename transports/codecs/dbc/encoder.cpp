@@ -59,7 +59,8 @@ void DbcEncoder::use(const ValueBoard& board) {
     for (std::size_t part = 0; part < sources_.size(); ++part) {
         for (std::size_t i = 0; i < sources_[part].size(); ++i) {
             const DbcValue& value = map_.parts[part].values[i];
-            if (const auto index = board.find(value.from)) {
+            const auto index = board.find(value.from);
+            if (index && may_be_sent(board.value(*index).unit, value.unit)) {
                 const auto conversion = unit_conversion(board.value(*index).unit, value.unit);
                 sources_[part][i] = Source{*index, conversion.value_or(UnitConversion{})};
             }

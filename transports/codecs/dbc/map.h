@@ -69,8 +69,9 @@ struct DbcFixed {
 
 /// A signal of an output that carries a named value.
 struct DbcValue {
-    std::string from;  ///< name of the value
-    std::string unit;  ///< unit of the signal; empty if the file has none
+    std::string from;    ///< name of the value
+    std::string signal;  ///< its name
+    std::string unit;    ///< unit of the signal; empty if the file has none
     DbcLayout layout;
     /// Physical values that the file allows. Sent values are limited to them.
     std::optional<std::array<double, 2>> range{};

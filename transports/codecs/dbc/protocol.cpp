@@ -108,8 +108,21 @@ std::optional<Duration> own_period(const SettingValues& settings) {
     return cycle ? std::optional(std::max(*cycle, kLeastDbcPeriod)) : std::nullopt;
 }
 
+/// The unit of a signal that carries a value.
+std::string unit_of_value_signal(const DbcMap& map, const std::string& message,
+                                 const std::string& signal) {
+    for (const DbcPart& part : map.parts) {
+        const auto found = std::ranges::find(part.values, signal, &DbcValue::signal);
+        if (map.messages[part.message].name == message && found != part.values.end()) {
+            return found->unit;
+        }
+    }
+    return {};
+}
+
 std::vector<NamedUse> value_names(const SettingValues& settings) {
     std::vector<NamedUse> uses;
+    const auto map = build_dbc_map(settings, SettingScope::output);
     const auto* signals = settings.find_as<SettingTree>("signals");
     const auto* messages = signals == nullptr ? nullptr : signals->as<SettingTree::Table>();
     if (messages == nullptr) {
@@ -124,7 +137,10 @@ std::vector<NamedUse> value_names(const SettingValues& settings) {
             std::vector<SettingMistake> ignored;
             const auto role = read_dbc_role(signal.value, {}, ignored);
             if (const auto* value = role ? std::get_if<DbcValueRole>(&*role) : nullptr) {
-                uses.push_back({value->from, {"signals", message.key, signal.key, "from"}});
+                uses.push_back(
+                    {value->from,
+                     {"signals", message.key, signal.key, "from"},
+                     map ? unit_of_value_signal(*map, message.key, signal.key) : std::string()});
             }
         }
     }

@@ -187,7 +187,8 @@ class SignalMapper {
     }
 
     std::optional<DbcUse> use_of(const DbcValueRole& role) {
-        DbcValue value{.from = role.from, .unit = signal_.unit, .layout = layout_};
+        DbcValue value{
+            .from = role.from, .signal = signal_.name, .unit = signal_.unit, .layout = layout_};
         if (signal_.has_range()) {
             value.range = {signal_.minimum, signal_.maximum};
         }

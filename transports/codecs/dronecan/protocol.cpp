@@ -313,8 +313,14 @@ std::optional<MovingPresets> moves_by_default(const SettingValues& settings) {
 std::vector<NamedUse> value_names(const SettingValues& settings) {
     const RcOutputFormat format = rc_output(settings);
     const bool named = carries_rc(settings) && format.quality == RcQuality::value;
-    return named ? std::vector<NamedUse>{{format.quality_value, {"quality"}}}
-                 : std::vector<NamedUse>{};
+    if (!named) {
+        return {};
+    }
+    const std::string unit(unit_of_quality(format.quality_type));
+    return {{.name = format.quality_value,
+             .path = {"quality"},
+             .unit = unit,
+             .takes_pulses = unit == "%"}};
 }
 
 AnyDecoder make_decoder(const SettingValues& settings) {

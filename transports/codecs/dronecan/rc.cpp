@@ -11,6 +11,9 @@
 namespace tribus::dronecan {
 namespace {
 
+constexpr std::string_view kPercent = "%";
+/// A pulse may stand for a share: many receivers send the signal strength in a channel.
+constexpr std::string_view kPulseUnit = "us";
 constexpr std::uint8_t kMostLinkQuality = 100;
 constexpr double kMostRssi = 255;
 /// Lifetime of a link quality, for senders that send several kinds in turn.
@@ -50,6 +53,19 @@ double encoded_quality(std::uint16_t type, double number) {
 }
 
 }  // namespace
+
+std::string_view unit_of_quality(std::uint16_t type) {
+    switch (type) {
+        case RcInput::kQualityTypeRssiDbm:
+            return "dBm";
+        case RcInput::kQualityTypeSnr:
+            return "dB";
+        case RcInput::kQualityTypeTxPower:
+            return "mW";
+        default:
+            return kPercent;
+    }
+}
 
 RcDecoder::RcDecoder(RcInputFormat format)
     : format_(format),
@@ -151,8 +167,11 @@ Pulse RcDecoder::pulse_of(std::uint16_t raw) const {
 }
 
 void RcEncoder::use(const ValueBoard& board) {
-    board_ = &board;
-    value_ = board.find(format_.quality_value);
+    value_.find(board, format_.quality_value, "");
+    const std::string_view unit = unit_of_quality(format_.quality_type);
+    if (value_.own_unit() != kPulseUnit || unit != kPercent) {
+        value_.find(board, format_.quality_value, unit);
+    }
 }
 
 void RcEncoder::continue_from(const Encoder& before) {
@@ -228,12 +247,12 @@ std::optional<double> RcEncoder::quality_of(const ChannelFrame& snapshot, Instan
             return snapshot.link_quality == kNoLinkQuality ? share : snapshot.link_quality;
         }
         case RcQuality::value:
-            if (board_ != nullptr && value_) {
-                const auto number = board_->fresh(*value_, now);
-                const bool pulse = number && board_->value(*value_).unit == "us";
+            if (const auto number = value_.fresh(now)) {
                 constexpr double kLow = 1000;
                 constexpr double kPulsePerPercent = 10;
-                return pulse ? std::clamp((*number - kLow) / kPulsePerPercent, 0.0, 100.0) : number;
+                return value_.own_unit() == kPulseUnit
+                           ? std::clamp((*number - kLow) / kPulsePerPercent, 0.0, 100.0)
+                           : number;
             }
             break;
     }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "core/can_frame.h"
 #include "core/channel_frame.h"
@@ -16,6 +17,7 @@
 #include "transports/codecs/dronecan/source.h"
 #include "transports/codecs/dronecan/transfer.h"
 #include "transports/codecs/dronecan/types_command.h"
+#include "transports/codecs/sent_number.h"
 
 /// RC channels as dronecan.sensors.rc.RCInput (docs/protocols/can.md, "DroneCAN: RCInput").
 namespace tribus::dronecan {
@@ -26,6 +28,9 @@ enum class RcScale : std::uint8_t {
     sbus,          ///< raw SBUS values of 0.625 us (sent by a node of ENAC)
     full_range,    ///< 0 to 4095 for 1000 to 2000 us (expected by a fork of PX4)
 };
+
+/// The unit of a kind of link quality, RcInput::kQualityType...
+std::string_view unit_of_quality(std::uint16_t type);
 
 struct RcInputFormat {
     SourceChoice source{};
@@ -115,8 +120,7 @@ class RcEncoder final : public CanEncoder {
     RcOutputFormat format_;
     NodeIdentity own_identity_;
     const NodeIdentity* identity_ = &own_identity_;
-    const ValueBoard* board_ = nullptr;
-    std::optional<std::size_t> value_;
+    SentNumber value_;
     std::uint8_t transfer_id_ = 0;
     /// One bit for each of the latest new snapshots, and the sequence of the newest.
     static constexpr unsigned kJudgedFrames = 64;

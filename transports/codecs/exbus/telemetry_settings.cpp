@@ -192,7 +192,9 @@ std::vector<NamedUse> exbus_telemetry_values(const SettingValues& settings) {
     ExBusMistakes ignored;
     std::vector<NamedUse> uses;
     for (const ExBusSensor& sensor : exbus_device(settings, ignored).sensors) {
-        uses.push_back({sensor.value, {"sensors", std::to_string(sensor.number), "value"}});
+        uses.push_back({sensor.value,
+                        {"sensors", std::to_string(sensor.number), "value"},
+                        sensor.form == ExBusNumber::decimal ? sensor.unit : "deg"});
     }
     return uses;
 }

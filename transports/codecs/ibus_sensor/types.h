@@ -81,4 +81,7 @@ std::optional<double> number_of(const SensorField& field, std::int64_t raw);
 /// no such value.
 std::int64_t raw_of(const SensorField& field, double number);
 
+/// Whether the number is negative and the nearest that the field can hold is not.
+bool lacks_sign_for(const SensorField& field, double number);
+
 }  // namespace tribus

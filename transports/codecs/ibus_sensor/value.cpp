@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "core/rounding.h"
@@ -117,6 +118,14 @@ std::int64_t raw_of(const SensorField& field, double number) {
         return raw;
     }
     return raw > least ? raw - 1 : raw + 1;
+}
+
+bool lacks_sign_for(const SensorField& field, double number) {
+    if (!(number < 0)) {
+        return false;
+    }
+    const double sent = static_cast<double>(raw_of(field, number)) * field.scale + field.offset;
+    return sent >= 0 && sent - number > std::abs(field.scale) / 2;
 }
 
 }  // namespace tribus

@@ -9,7 +9,8 @@ using namespace mavlink_wire;
 
 namespace {
 
-constexpr std::uint8_t kMainComponent = 1;
+/// MAV_AUTOPILOT_INVALID: a ground station, a radio, a camera.
+constexpr std::uint8_t kNoAutopilot = 8;
 /// Autopilots round.
 constexpr int kNearMicroseconds = 2;
 
@@ -47,24 +48,46 @@ void MavlinkAnswers::continue_from(const MavlinkAnswers& before) {
     }
 }
 
+/// Words behind those of the autopilot's receiver may be unused, 0 or 65535: ArduPilot counts the
+/// channels of its receiver only, PX4 those that it has. They tell nothing, so half of the channels
+/// must be shown at least.
 bool MavlinkAnswers::shows(const Kept& kept, const MavlinkMessage& message) const {
+    std::size_t shown = 0;
     for (std::size_t channel = 0; channel < sent_.channels; ++channel) {
-        const int shown = field_at<std::uint16_t>(message.payload, kRcChannelsAt + 2 * channel);
-        if (std::abs(shown - microseconds_sent(kept, sent_.radio, channel)) > kNearMicroseconds) {
+        const int word = field_at<std::uint16_t>(message.payload, kRcChannelsAt + 2 * channel);
+        if (channel >= message.payload[kRcCountAt] && (word == 0 || word == kIgnored)) {
+            continue;
+        }
+        const bool radio = sent_.message == MavlinkChannels::radio_rc_channels;
+        if (std::abs(word - microseconds_sent(kept, radio, channel)) > kNearMicroseconds) {
             return false;
         }
+        ++shown;
     }
-    return true;
+    return 2 * shown >= sent_.channels;
+}
+
+void MavlinkAnswers::take_heartbeat(const MavlinkMessage& message) {
+    const std::uint8_t autopilot = message.payload[kHeartbeatAutopilotAt];
+    if (message.system == sent_.target) {
+        ++answers_.heard;
+        answers_.kind =
+            static_cast<std::uint16_t>(autopilot << 8U | message.payload[kHeartbeatTypeAt]);
+    } else if (autopilot != kNoAutopilot) {
+        ++answers_.heard_others;
+        answers_.other = message.system;
+    }
 }
 
 /// Nothing of it is a frame with channels.
 bool MavlinkAnswers::take(const MavlinkMessage& message, ChannelFrame& /*channels*/) {
-    if (message.system != sent_.target || message.component != kMainComponent) {
+    if (message.component != kAutopilotComponent) {
         return false;
     }
     if (message.id == kHeartbeat.id) {
-        ++answers_.heard;
-    } else if (message.id == kRcChannels.id && message.payload[kRcCountAt] >= sent_.channels) {
+        take_heartbeat(message);
+    } else if (message.id == kRcChannels.id && message.system == sent_.target &&
+               sent_.message != MavlinkChannels::manual_control) {
         const auto kept = std::span(kept_).first(count_);
         answers_.effect = answers_.effect || std::ranges::any_of(kept, [&](const Kept& one) {
                               return shows(one, message);

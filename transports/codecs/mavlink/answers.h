@@ -10,9 +10,17 @@
 
 namespace tribus {
 
+/// A message that carries channels.
+enum class MavlinkChannels : std::uint8_t {
+    radio_rc_channels,
+    rc_channels_override,
+    rc_channels,
+    manual_control,
+};
+
 /// Where the channels stand that an output sends, and to whom.
 struct MavlinkSent {
-    bool radio = false;  ///< RADIO_RC_CHANNELS; else RC_CHANNELS_OVERRIDE
+    MavlinkChannels message = MavlinkChannels::radio_rc_channels;
     std::size_t channels = 0;
     std::uint8_t target = 1;
 
@@ -21,7 +29,8 @@ struct MavlinkSent {
 
 /// Looks in what comes back from an autopilot for what was sent to it: ArduPilot and PX4 show the
 /// channels that they act on in RC_CHANNELS, whoever sent them (docs/protocols/mavlink.md,
-/// "Sending"). Signatures are not looked at, because nothing of this becomes control.
+/// "Sending"). Of MANUAL_CONTROL nothing is looked for, because what it moves has no fixed scale.
+/// Signatures are not looked at, because nothing of this becomes control.
 class MavlinkAnswers final : public MavlinkMessages {
   public:
     /// So many latest frames are looked for. Answers come late, and sticks move meanwhile.
@@ -40,6 +49,7 @@ class MavlinkAnswers final : public MavlinkMessages {
 
     bool take(const MavlinkMessage& message, ChannelFrame& channels) override;
     bool takes_unsigned(std::uint32_t /*id*/) const override { return true; }
+    void take_heartbeat(const MavlinkMessage& message);
     bool shows(const Kept& kept, const MavlinkMessage& message) const;
 
     MavlinkSent sent_;

@@ -67,16 +67,24 @@ std::optional<Pulse> pulse_of_axis(MavlinkPayload payload, std::size_t at, int s
     return Pulse::from_eighths(kCentreAxis + sign * axis * 4);
 }
 
-void read_manual(MavlinkPayload payload, std::size_t buttons, ChannelFrame& channels) {
+/// A vehicle that does not reverse stands still below 0.
+std::optional<Pulse> pulse_of_throttle(MavlinkPayload payload, MavlinkThrottle throttle) {
+    const auto centred = pulse_of_axis(payload, kManualThrottleAt, 1);
+    if (!centred || throttle == MavlinkThrottle::centred) {
+        return centred;
+    }
+    const int axis = field_at<std::int16_t>(payload, kManualThrottleAt);
+    return Pulse::from_eighths(kLeastEighths + 8 * std::max(axis, 0));
+}
+
+void read_manual(MavlinkPayload payload, const MavlinkDecoder::Settings& settings,
+                 ChannelFrame& channels) {
     channels.set(0, pulse_of_axis(payload, kManualRollAt, 1));
     channels.set(1, pulse_of_axis(payload, kManualPitchAt, -1));
-    const int throttle = field_at<std::int16_t>(payload, kManualThrottleAt);
-    if (throttle >= 0 && throttle <= kMostAxis) {
-        channels.set(2, Pulse::from_eighths(kLeastEighths + 8 * throttle));
-    }
+    channels.set(2, pulse_of_throttle(payload, settings.throttle));
     channels.set(3, pulse_of_axis(payload, kManualYawAt, 1));
     const auto pressed = field_at<std::uint16_t>(payload, kManualButtonsAt);
-    for (std::size_t button = 0; button < buttons; ++button) {
+    for (std::size_t button = 0; button < settings.buttons; ++button) {
         const bool on = (pressed >> button & 1U) != 0;
         channels.set(4 + button, on ? kSwitchOnPulse : kSwitchOffPulse);
     }
@@ -120,7 +128,10 @@ bool MavlinkDecoder::is_wanted(const MavlinkMessage& message, Instant received) 
     if (!kind || (settings_.message && kind != settings_.message) || !is_for_target(message)) {
         return false;
     }
-    if (!sender_.sent(message.system, message.id, received)) {
+    // What another component says of a receiver is not what the autopilot acts on.
+    const bool of_another_receiver =
+        kind == MavlinkChannels::rc_channels && message.component != kAutopilotComponent;
+    if (of_another_receiver || !sender_.sent(message, message.id, received)) {
         refuse_sender();
         return false;
     }
@@ -129,7 +140,9 @@ bool MavlinkDecoder::is_wanted(const MavlinkMessage& message, Instant received) 
 
 bool MavlinkDecoder::take(const MavlinkMessage& message, ChannelFrame& channels) {
     if (message.id == kSysStatus.id) {
-        take_status(message);
+        if (message.component == kAutopilotComponent) {
+            take_status(message);
+        }
         return false;
     }
     if (!is_wanted(message, channels.received)) {
@@ -146,7 +159,7 @@ bool MavlinkDecoder::take(const MavlinkMessage& message, ChannelFrame& channels)
             read_pulse_words(payload, kOverrideMore, kOverrideFirst.count, channels);
             break;
         case kManualControl.id:
-            read_manual(payload, settings_.buttons, channels);
+            read_manual(payload, settings_, channels);
             break;
         default:
             read_pulse_words(

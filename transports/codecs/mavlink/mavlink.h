@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "core/time.h"
 #include "transports/codecs/codec.h"
@@ -19,12 +20,10 @@ namespace tribus {
 
 extern const Protocol kMavlinkProtocol;
 
-/// A message that carries channels.
-enum class MavlinkChannels : std::uint8_t {
-    radio_rc_channels,
-    rc_channels_override,
-    rc_channels,
-    manual_control,
+/// What the throttle of MANUAL_CONTROL, its axis z, means.
+enum class MavlinkThrottle : std::uint8_t {
+    zero_based,  ///< 0 to 1000 is 1000 to 2000 us: vehicles that do not reverse, and all of PX4
+    centred,     ///< -1000 to 1000 is 1000 to 2000 us: ArduPilot's rovers and boats
 };
 
 /// Reads channels from one sender. A word that is no pulse is a channel that is not present.
@@ -35,7 +34,8 @@ class MavlinkDecoder final : public MavlinkMessages {
         std::optional<std::uint8_t> system{};      ///< of the sender; absent: the first one heard
         std::uint8_t target = 1;                   ///< messages to another system are passed over
         std::size_t buttons = 0;                   ///< of MANUAL_CONTROL, as channels from 5 on
-        std::optional<SecretKey> key{};            ///< only what is signed with it counts
+        MavlinkThrottle throttle = MavlinkThrottle::zero_based;
+        std::optional<SecretKey> key{};  ///< only what is signed with it counts
     };
     explicit MavlinkDecoder(const Settings& settings)
         : MavlinkMessages(settings.key), settings_(settings), sender_(settings.system) {}
@@ -51,8 +51,8 @@ class MavlinkDecoder final : public MavlinkMessages {
 
     Settings settings_;
     MavlinkSender sender_;
-    /// The systems that say in SYS_STATUS that their own receiver has no signal. RC_CHANNELS has no
-    /// word for that and repeats the last values.
+    /// The systems whose autopilot says in SYS_STATUS that its receiver has no signal. RC_CHANNELS
+    /// has no word for that and repeats the last values.
     std::bitset<256> without_signal_;
     std::uint16_t system_ = 0;
     std::array<FrameDetail, 1> details_{{{"system", {&system_, 1}}}};
@@ -70,7 +70,10 @@ class MavlinkEncoder final : public ByteEncoder {
         std::uint8_t target = 1;
         std::size_t channels = 16;
         std::size_t buttons = 0;  ///< channels from 5 on as buttons of MANUAL_CONTROL
-        bool releases = false;    ///< on loss: gives the channels back, with RC_CHANNELS_OVERRIDE
+        MavlinkThrottle throttle = MavlinkThrottle::zero_based;
+        /// On loss, and after a reload that sends fewer channels: gives them back, with
+        /// RC_CHANNELS_OVERRIDE.
+        bool releases = false;
         std::optional<SecretKey> key{};  ///< signs with it, version 2 only
         std::uint8_t link_id = 0;        ///< in signatures
     };
@@ -84,10 +87,17 @@ class MavlinkEncoder final : public ByteEncoder {
     std::size_t write_silence(std::span<std::uint8_t, kLongestSerialFrame> wire,
                               Instant now) override;
     void use_clock(const WallClock& clock) override;
+    /// What `before` has taken over and this one does not send is given back, if either `releases`:
+    /// to another target or before another message first, with kReleases messages; else in the
+    /// next kReleases messages with channels.
     void continue_from(const Encoder& before) override;
+    int farewells() const override { return settings_.releases ? kReleases : 0; }
     std::optional<AskedTiming> hear(std::span<const std::uint8_t> bytes, Instant now) override;
     void forget_heard() override;
     Answers answers() const override;
+
+    /// So often channels are given back, because a datagram can get lost.
+    static constexpr int kReleases = 10;
 
     /// Longest frame with a HEARTBEAT, and both signed.
     static constexpr std::size_t kLongest =
@@ -98,20 +108,50 @@ class MavlinkEncoder final : public ByteEncoder {
 
   private:
     using Payload = std::array<std::uint8_t, mavlink_wire::kMostPayload>;
+    /// As whom messages are sent.
+    struct Sender {
+        bool version_1 = false;
+        std::uint8_t system = 0;
+        std::uint8_t component = 0;
+        std::optional<MavlinkSigner> signer{};
+    };
+    /// Channels that are given back, one bit each.
+    struct Release {
+        std::uint32_t channels = 0;
+        int left = 0;  ///< messages
+    };
+    /// What an encoder before this one took over, of a target or with a message that it has not.
+    struct Former {
+        Sender sender;
+        std::uint8_t target = 0;
+        Release release;
+    };
     const mavlink_wire::MessageKind& fill(const ChannelFrame& frame, Payload& payload) const;
     void fill_radio(const ChannelFrame& frame, Payload& payload) const;
     void fill_override(const ChannelFrame& frame, Payload& payload) const;
     void fill_manual(const ChannelFrame& frame, Payload& payload) const;
-    std::size_t write_message(const mavlink_wire::MessageKind& kind, const Payload& payload,
+    std::size_t write_message(Sender& sender, const mavlink_wire::MessageKind& kind,
+                              const Payload& payload, std::span<std::uint8_t> wire, Instant now);
+    std::size_t write_release(Sender& sender, std::uint8_t target, Release& release,
                               std::span<std::uint8_t> wire, Instant now);
+    std::uint32_t own_channels() const;
+    void give_back_for(const MavlinkEncoder& before);
 
     Settings settings_;
-    std::optional<MavlinkSigner> signer_;
-    /// Absent with MANUAL_CONTROL: what it moves has no fixed scale.
-    std::optional<MavlinkAnswers> answers_;
+    Sender sender_;
+    MavlinkAnswers answers_;
     std::uint8_t sequence_ = 0;
     std::optional<Instant> heartbeat_at_;  ///< when the next one is due
-    int releases_left_ = 0;
+    /// What it would give back now: its own channels once they were sent.
+    Release own_;
+    /// Channels of the same target that the encoder before has taken over and this one does not
+    /// send.
+    Release fewer_;
+    std::optional<Former> former_;
 };
+
+/// What is wrong by the answers of an autopilot to an output with these settings; see
+/// Protocol::advice_by_answers.
+std::string mavlink_advice(const MavlinkEncoder::Settings& sent, const Answers& answers);
 
 }  // namespace tribus

@@ -56,21 +56,23 @@ class MavlinkMessages : public FramedDecoder {
 };
 
 /// Keeps to one sender on a line that many share: the first one heard, until it was silent for a
-/// second. So two senders never alternate.
+/// second. So two senders never alternate. Two components of a system are two senders.
 class MavlinkSender {
   public:
     static constexpr Duration kGone = std::chrono::seconds(1);
 
     /// `system`: only this one counts; absent: any.
     explicit MavlinkSender(std::optional<std::uint8_t> system = std::nullopt) : system_(system) {}
-    /// Whether a message of that system and kind, received at `at`, is from the sender.
-    bool sent(std::uint8_t system, std::uint32_t id, Instant at) {
+    /// Whether a message, received at `at`, is from the sender. `id`: its messages of this kind are
+    /// told apart from others; 0: they are not.
+    bool sent(const MavlinkMessage& message, std::uint32_t id, Instant at) {
+        const Heard heard{message.system, message.component, id, at};
         const bool free = !heard_ || at - heard_->at >= kGone;
-        const bool allowed = !system_ || *system_ == system;
-        if (!allowed || (!free && (heard_->system != system || heard_->id != id))) {
+        const bool allowed = !system_ || *system_ == message.system;
+        if (!allowed || (!free && !heard_->is_same(heard))) {
             return false;
         }
-        heard_ = {system, id, at};
+        heard_ = heard;
         return true;
     }
     void forget() { heard_.reset(); }
@@ -78,8 +80,13 @@ class MavlinkSender {
   private:
     struct Heard {
         std::uint8_t system = 0;
+        std::uint8_t component = 0;
         std::uint32_t id = 0;
         Instant at{};
+
+        bool is_same(const Heard& other) const {
+            return system == other.system && component == other.component && id == other.id;
+        }
     };
     std::optional<std::uint8_t> system_;
     std::optional<Heard> heard_;

@@ -18,6 +18,8 @@ namespace {
 constexpr std::array<std::string_view, 4> kMavlinkMessageNames{
     "radio_rc_channels", "rc_channels_override", "rc_channels", "manual_control"};
 constexpr std::array<std::string_view, 2> kOnLoss{"silence", "release"};
+/// In the order of MavlinkThrottle.
+constexpr std::array<std::string_view, 2> kThrottles{"zero based", "centred"};
 constexpr std::size_t kVersion1Channels = 8;
 constexpr std::size_t kUsualChannels = 16;
 /// Channels 5 to 18.
@@ -85,13 +87,23 @@ constexpr std::array kMavlinkSettings{
             .help = "With `manual_control`: how many buttons, channel 5 and on, above 1500 us "
                     "pressed",
             .example = "4"},
+    Setting{.key = "throttle",
+            .type = SettingType::choice,
+            .absent = "\"zero based\"",
+            .choices = kThrottles,
+            .help = "With `manual_control`: how its throttle counts 1000 to 2000 us. `zero based`: "
+                    "0 to 1000, for vehicles that do not reverse, and for PX4; `centred`: -1000 "
+                    "to 1000, for ArduPilot's rovers and boats, where a centred stick would be "
+                    "half throttle otherwise",
+            .example = "\"centred\""},
     Setting{.key = "on_loss",
             .type = SettingType::choice,
             .fallback = kOnLoss[0],
             .choices = kOnLoss,
             .scope = SettingScope::output,
             .help = "When the output falls silent: `silence` sends nothing more; `release` gives "
-                    "the channels of `rc_channels_override` back at once",
+                    "the channels of `rc_channels_override` back at once, and after a reload "
+                    "those that are not sent any more",
             .example = "\"release\""},
     Setting{.key = "key",
             .type = SettingType::key_file,
@@ -135,6 +147,10 @@ std::size_t count_setting(const SettingValues& settings, std::string_view key,
     return static_cast<std::size_t>(settings.get_or(key, static_cast<std::int64_t>(fallback)));
 }
 
+MavlinkThrottle throttle_setting(const SettingValues& settings) {
+    return static_cast<MavlinkThrottle>(chosen_word(settings, "throttle", kThrottles).value_or(0));
+}
+
 std::optional<SecretKey> key_setting(const SettingValues& settings) {
     const auto* file = settings.find_as<KeyFile>("key");
     return file == nullptr ? std::nullopt : std::optional(file->secret);
@@ -150,6 +166,7 @@ MavlinkEncoder::Settings encoder_settings(const SettingValues& settings) {
             .channels =
                 count_setting(settings, "channels", version_1 ? kVersion1Channels : kUsualChannels),
             .buttons = count_setting(settings, "buttons", 0),
+            .throttle = throttle_setting(settings),
             .releases = chosen_word(settings, "on_loss", kOnLoss) == 1U,
             .key = key_setting(settings),
             .link_id = id_setting(settings, "link_id", 0)};
@@ -166,6 +183,8 @@ SettingValues mavlink_defaults(const SettingValues& settings, SettingScope way) 
     defaults.set("system", std::int64_t{sent.system});
     if (sent.message != MavlinkChannels::manual_control) {
         defaults.set("channels", static_cast<std::int64_t>(sent.channels));
+    } else {
+        defaults.set("throttle", std::string(kThrottles[static_cast<std::size_t>(sent.throttle)]));
     }
     if (sent.key) {
         defaults.set("link_id", std::int64_t{sent.link_id});
@@ -222,35 +241,44 @@ std::vector<SettingMistake> check_sent(const SettingValues& settings) {
 std::vector<SettingMistake> check_mavlink(const SettingValues& settings, SettingScope scope) {
     auto mistakes =
         scope == SettingScope::input ? std::vector<SettingMistake>{} : check_sent(settings);
-    if (settings.find("buttons") != nullptr &&
-        chosen_message(settings) != MavlinkChannels::manual_control) {
-        mistakes.push_back({{"buttons"},
-                            "\"buttons\" has no effect without message = \"manual_control\"; "
-                            "leave it out"});
+    for (const char* const key : {"buttons", "throttle"}) {
+        if (settings.find(key) != nullptr &&
+            chosen_message(settings) != MavlinkChannels::manual_control) {
+            mistakes.push_back({{key},
+                                "\"" + std::string(key) +
+                                    "\" has no effect without message = \"manual_control\"; "
+                                    "leave it out"});
+        }
     }
     return mistakes;
+}
+
+/// The configuration does not tell which vehicle it is.
+std::vector<SettingMistake> doubt_throttle(const SettingValues& settings, SettingScope scope) {
+    if (scope != SettingScope::output || settings.find("throttle") != nullptr ||
+        chosen_message(settings) != MavlinkChannels::manual_control) {
+        return {};
+    }
+    return {{{"message"},
+             "\"manual_control\" without \"throttle\": on a rover or boat with ArduPilot a centred "
+             "stick would be half throttle, and reverse could not be reached; add throttle = "
+             "\"centred\" for such a vehicle, throttle = \"zero based\" for all others"}};
+}
+
+std::optional<MovingPresets> moves_by_default_throttle(const SettingValues& settings) {
+    const MavlinkEncoder::Settings sent = encoder_settings(settings);
+    const bool centred = sent.throttle == MavlinkThrottle::centred;
+    return sent.message == MavlinkChannels::manual_control && !centred
+               ? std::optional(MovingPresets{1U << 2U, kSwitchOffPulse})
+               : std::nullopt;
 }
 
 std::size_t bytes_of_signatures(const SettingValues& settings) {
     return key_setting(settings) ? MavlinkEncoder::kLongestSigned - MavlinkEncoder::kLongest : 0;
 }
 
-/// Nobody tells a stranger that he is one.
-std::string mavlink_advice(const SettingValues& settings) {
-    const MavlinkEncoder::Settings sent = encoder_settings(settings);
-    if (sent.message == MavlinkChannels::manual_control) {
-        return {};
-    }
-    const std::string what =
-        sent.message == MavlinkChannels::radio_rc_channels
-            ? "it must read RADIO_RC_CHANNELS (ArduPilot 4.6 and newer)"
-            : "it takes overrides only from its ground station: its MAV_GCS_SYSID (before 4.7 "
-              "SYSID_MYGCS) must be " +
-                  std::to_string(sent.system) + ", the `system` of this output";
-    return "autopilot " + std::to_string(sent.target) +
-           " answers, but none of its RC_CHANNELS has these channels; " + what +
-           (sent.key ? ", and have the same key" : "") +
-           "; and it must send RC_CHANNELS (SRn_RC_CHAN 2 or more)";
+std::string mavlink_advice_of(const SettingValues& settings, const Answers& answers) {
+    return mavlink_advice(encoder_settings(settings), answers);
 }
 
 /// RC_CHANNELS does by SYS_STATUS beside it.
@@ -268,6 +296,7 @@ AnyDecoder make_mavlink_decoder(const SettingValues& settings) {
             system == nullptr ? std::nullopt : std::optional(static_cast<std::uint8_t>(*system)),
         .target = id_setting(settings, "target", 1),
         .buttons = count_setting(settings, "buttons", 0),
+        .throttle = throttle_setting(settings),
         .key = key_setting(settings)});
 }
 
@@ -307,8 +336,10 @@ const Protocol kMavlinkProtocol{
     .default_timeout = std::chrono::milliseconds(500),
     .signals_failsafe = mavlink_signals_failsafe,
     .check = check_mavlink,
+    .warnings = doubt_throttle,
     .dependent_defaults = mavlink_defaults,
-    .advice_without_effect = mavlink_advice,
+    .moves_by_default = moves_by_default_throttle,
+    .advice_by_answers = mavlink_advice_of,
     .make_decoder = make_mavlink_decoder,
     .make_encoder = make_mavlink_encoder,
 };

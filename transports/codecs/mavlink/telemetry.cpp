@@ -13,8 +13,6 @@ using namespace mavlink_wire;
 
 namespace {
 
-constexpr std::uint8_t kAutopilotComponentId = 1;
-
 enum class Form : std::uint8_t { u8, i8, u16, i16, u32, i32, f32 };
 
 /// A number of a message: raw / scale. `unknown` is the raw number that means "not known".
@@ -65,6 +63,9 @@ constexpr std::array kBatteryValues{
     MavlinkNumber{"battery.remaining", "%", 35, Form::i8, 1, -1},
     MavlinkNumber{"battery.temperature", "degC", 8, Form::i16, 100, 0x7FFF}};
 constexpr std::size_t kBatteryCells = 10;
+/// Cells 11 to 14, an extension: a message without it has zeros there.
+constexpr std::size_t kMoreCellsAt = 41;
+constexpr std::size_t kMoreBatteryCells = 4;
 constexpr std::size_t kBatteryIdAt = 32;
 constexpr std::size_t kFixAt = 28;
 /// GPS_FIX_TYPE_2D_FIX.
@@ -108,8 +109,9 @@ ValueReading reading_of(const MavlinkNumber& number, double raw) {
     return {ValueReading::State::number, raw / number.scale};
 }
 
-/// Cells that are not there are 65535. An autopilot that knows the whole voltage only writes it to
-/// the first cell, and to the next ones what exceeds a word.
+/// Of the first ten cells, those that are not there are 65535; of the other four, 0 or, from some
+/// autopilots, 65535. An autopilot that knows the whole voltage only writes it to the first cell,
+/// and to the next ones what exceeds a word.
 ValueReading battery_voltage(const MavlinkNumber& number, ValuePayload payload) {
     double sum = 0;
     bool known = false;
@@ -117,6 +119,12 @@ ValueReading battery_voltage(const MavlinkNumber& number, ValuePayload payload) 
         const double raw = raw_number(payload, number.at + 2 * cell, number.form);
         known = known || raw != kNoWord;
         sum += raw != kNoWord ? raw : 0;
+    }
+    for (std::size_t cell = 0; cell < kMoreBatteryCells; ++cell) {
+        const double raw = raw_number(payload, kMoreCellsAt + 2 * cell, number.form);
+        const bool there = raw != 0 && raw != kNoWord;
+        known = known || there;
+        sum += there ? raw : 0;
     }
     return reading_of(number, known ? sum : kNoWord);
 }
@@ -163,13 +171,11 @@ bool MavlinkTelemetryReader::next(std::span<const std::uint8_t>& bytes, Instant 
 /// counts, whatever else has its system id.
 bool MavlinkTelemetryReader::Messages::is_from_autopilot(const MavlinkMessage& message,
                                                          Instant received) {
-    if (message.id == kRadioStatus.id) {
-        return true;
-    }
-    if (message.component != kAutopilotComponentId) {
+    const bool of_radio = message.id == kRadioStatus.id;
+    if (!of_radio && message.component != kAutopilotComponent) {
         return false;
     }
-    if (!sender_.sent(message.system, 0, received)) {
+    if (!(of_radio ? radio_ : autopilot_).sent(message, 0, received)) {
         refuse_sender();
         return false;
     }

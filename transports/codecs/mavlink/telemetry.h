@@ -15,7 +15,7 @@ namespace tribus {
 extern const Protocol kMavlinkTelemetryProtocol;
 
 /// Reads the state of an autopilot (docs/protocols/mavlink.md, "Telemetry"): component 1 of the
-/// first system heard. What the autopilot marks as unknown is not available.
+/// first system heard, and the first radio. What the autopilot marks as unknown is not available.
 class MavlinkTelemetryReader final : public ByteValueReader {
   public:
     /// With `key`, only what is signed with it counts, and RADIO_STATUS, which radios add unsigned.
@@ -45,7 +45,8 @@ class MavlinkTelemetryReader final : public ByteValueReader {
         }
         bool is_from_autopilot(const MavlinkMessage& message, Instant received);
 
-        MavlinkSender sender_;
+        MavlinkSender autopilot_;
+        MavlinkSender radio_;
     };
 
     std::vector<Value> values_;

@@ -89,6 +89,10 @@ void put_field(std::span<std::uint8_t> payload, std::size_t at, Number number) {
     }
 }
 
+/// MAV_COMP_ID_AUTOPILOT1: the component that is the vehicle's autopilot. Cameras, gimbals and
+/// computers aboard send with its system id, and speak for themselves only.
+inline constexpr std::uint8_t kAutopilotComponent = 1;
+
 /// Where the channels of a message begin, and how many stand there.
 struct ChannelPlace {
     std::size_t at = 0;
@@ -100,10 +104,16 @@ inline constexpr std::size_t kOverrideTargetAt = 16;
 /// Channels 1 to 8, and 9 to 18.
 inline constexpr ChannelPlace kOverrideFirst{0, 8};
 inline constexpr ChannelPlace kOverrideMore{18, 10};
+inline constexpr std::size_t override_at(std::size_t channel) {
+    return channel < kOverrideFirst.count ? kOverrideFirst.at + 2 * channel
+                                          : kOverrideMore.at + 2 * (channel - kOverrideFirst.count);
+}
 inline constexpr std::uint16_t kIgnored = 0xFFFF;
 /// In a word of the first eight channels, and in one of the others.
 inline constexpr std::uint16_t kReleasedFirst = 0;
 inline constexpr std::uint16_t kReleasedMore = 0xFFFE;
+inline constexpr std::size_t kHeartbeatTypeAt = 4;
+inline constexpr std::size_t kHeartbeatAutopilotAt = 5;
 inline constexpr std::size_t kRadioFlagsAt = 4;
 inline constexpr std::size_t kRadioTargetAt = 6;
 inline constexpr std::size_t kRadioCountAt = 8;

@@ -86,7 +86,7 @@ GpioBias bias_of(const SettingValues& settings) {
 tl::expected<std::unique_ptr<Link>, std::string> open_pulse_line(const std::string& place,
                                                                  const LinkUse& use) {
     if (is_spi_device(place)) {
-        return as_link(SpiLink::open(place, use.settings.get_or("calibration", 1.0)));
+        return as_link(SpiLink::open(place, use.settings.get_or("calibration", 1.0), use.worker));
     }
     const bool falling = use.settings.get_or("edge", std::string()) == "falling";
     return as_link(EdgeLink::open(place, falling ? GpioEdges::falling : GpioEdges::rising,

@@ -17,7 +17,7 @@ ReadStatus SpiLink::read(Reception& reception) {
     return ReadStatus::nothing;
 }
 
-WriteStatus SpiLink::write(std::span<const std::uint8_t> frame) {
+WriteStatus SpiLink::write_asked(std::span<const std::uint8_t> frame, const FrameLife& life) {
     if (frame.size() > waiting_.size()) {
         return WriteStatus::unavailable;
     }
@@ -28,26 +28,32 @@ WriteStatus SpiLink::write(std::span<const std::uint8_t> frame) {
         }
         std::copy(frame.begin(), frame.end(), waiting_.begin());
         waiting_bytes_ = frame.size();
+        waiting_until_ = later(life.made, life.valid_for);
     }
-    return worker_.wake();
+    return worker_.wake(life);
 }
 
 /// Draws the frame that waits. Returns false if none does.
-bool SpiLink::take_frame() {
+bool SpiLink::take_frame(Instant& valid_until) {
     std::array<std::uint8_t, kMostFrameBytes> records{};
     std::size_t bytes = 0;
     {
         const std::scoped_lock lock(mutex_);
         records = waiting_;
         bytes = std::exchange(waiting_bytes_, 0);
+        valid_until = waiting_until_;
     }
     return draw_pulses(std::span(records).first(bytes), calibration_, waveform_);
 }
 
 /// The worker sends the frame that waits, if one does.
 WriteStatus SpiLink::send_newest() {
-    if (!take_frame()) {
+    Instant valid_until{};
+    if (!take_frame(valid_until)) {
         return outcome_;
+    }
+    if (worker_.is_over(valid_until)) {
+        return WriteStatus::busy;
     }
     const ssize_t sent = ::write(port_.get(), waveform_.bits.data(), waveform_.bytes);
     const int error = errno;

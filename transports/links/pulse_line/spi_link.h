@@ -25,22 +25,28 @@ class SpiLink final : public ByteLink {
     /// `calibration`: how much faster than it should the port's clock is. The error begins with the
     /// device and says what to do.
     static tl::expected<std::unique_ptr<SpiLink>, std::string> open(const std::string& device,
-                                                                    double calibration);
+                                                                    double calibration,
+                                                                    const WorkerSettings& worker);
     /// Ends after the frame that is on the line.
     ~SpiLink() override = default;
 
     /// Nothing arrives.
     ReadStatus read(Reception& reception) override;
     /// Takes the records of one frame (core/edge_records.h). Records without an edge withdraw a
-    /// frame that waits. `busy`: the thread is taking the frame before; `unavailable` while the
-    /// kernel refuses frames or does not send them; `lost` when the device is gone.
-    WriteStatus write(std::span<const std::uint8_t> frame) override;
+    /// frame that waits. `busy`: the thread is taking the frame before, or dropped it because it
+    /// was too old; `unavailable` while the kernel refuses frames or does not send them, or the
+    /// thread gets no processor time; `lost` when the device is gone.
+    WriteStatus write(std::span<const std::uint8_t> frame) override {
+        return write_asked(frame, worker_.life_from_now());
+    }
+    WriteStatus write_asked(std::span<const std::uint8_t> frame, const FrameLife& life) override;
+    bool stands(Instant now) const override { return worker_.stands(now); }
     void discard_unread() override {}
     int descriptor() const override { return -1; }
 
   private:
     SpiLink(UniqueFd port, double calibration);
-    bool take_frame();
+    bool take_frame(Instant& valid_until);
     WriteStatus send_newest();
 
     static constexpr std::size_t kMostFrameBytes = 96;
@@ -50,6 +56,7 @@ class SpiLink final : public ByteLink {
     std::mutex mutex_;  ///< the data thread only tries it
     std::array<std::uint8_t, kMostFrameBytes> waiting_{};
     std::size_t waiting_bytes_ = 0;
+    Instant waiting_until_{};
     WriteStatus outcome_ = WriteStatus::written;  ///< of the thread
     Waveform waveform_;                           ///< of the thread
     LinkWorker worker_;

@@ -46,7 +46,8 @@ bool set_up(int port) {
 }  // namespace
 
 tl::expected<std::unique_ptr<SpiLink>, std::string> SpiLink::open(const std::string& device,
-                                                                  double calibration) {
+                                                                  double calibration,
+                                                                  const WorkerSettings& worker) {
     const auto failed = [&device](int error) {
         return tl::unexpected(device + ": " + spi_problem(error));
     };
@@ -55,7 +56,7 @@ tl::expected<std::unique_ptr<SpiLink>, std::string> SpiLink::open(const std::str
         return failed(errno);
     }
     std::unique_ptr<SpiLink> link(new SpiLink(std::move(port), calibration));
-    if (auto problem = link->worker_.start([&link = *link] { return link.send_newest(); });
+    if (auto problem = link->worker_.start(worker, [&link = *link] { return link.send_newest(); });
         !problem.empty()) {
         return tl::unexpected(device + ": " + problem);
     }

@@ -10,7 +10,8 @@
 namespace tribus {
 
 tl::expected<std::unique_ptr<PwmLink>, std::string> PwmLink::open(
-    const std::string& chip, Duration period, const std::filesystem::path& root) {
+    const std::string& chip, Duration period, const WorkerSettings& worker,
+    const std::filesystem::path& root) {
     auto found = find_pwm_chip(chip, root);
     if (!found) {
         return tl::unexpected(std::move(found.error()));
@@ -25,7 +26,7 @@ tl::expected<std::unique_ptr<PwmLink>, std::string> PwmLink::open(
             "/usr/share/doc/tribus/docs/service.md, \"PWM in the service\"");
     }
     std::unique_ptr<PwmLink> link(new PwmLink(std::move(*found), period));
-    if (auto problem = link->worker_.start([&link = *link] { return link.hand_on(); });
+    if (auto problem = link->worker_.start(worker, [&link = *link] { return link.hand_on(); });
         !problem.empty()) {
         return tl::unexpected(chip + ": " + problem);
     }
@@ -45,32 +46,43 @@ ReadStatus PwmLink::read(Reception& reception) {
     return ReadStatus::nothing;
 }
 
-WriteStatus PwmLink::write(std::span<const std::uint8_t> frame) {
+WriteStatus PwmLink::write_asked(std::span<const std::uint8_t> frame, const FrameLife& life) {
     for (std::size_t at = 0; at + pwm_pulses::kRecordBytes <= frame.size();
          at += pwm_pulses::kRecordBytes) {
         const auto record = frame.subspan(at, pwm_pulses::kRecordBytes);
         if (record[0] >= std::min(chip_.outputs, wanted_.size())) {
             return WriteStatus::unavailable;
         }
-        wanted_[record[0]].store(pwm_pulses::nanoseconds_of(record), std::memory_order_relaxed);
+        wanted_[record[0]].store(pwm_pulses::nanoseconds_of(record));
     }
-    return worker_.wake();
+    return worker_.wake(life);
+}
+
+/// A pulse of 0 switches the output off, which is never too late.
+WriteStatus PwmLink::hand_on(std::size_t output, Instant valid_until) {
+    const std::uint32_t pulse = wanted_[output].load();
+    if (pulse == kNothing) {
+        return WriteStatus::written;
+    }
+    if (pulse != 0 && worker_.is_over(valid_until)) {
+        return WriteStatus::busy;
+    }
+    WriteStatus outcome = WriteStatus::written;
+    if (!outputs_.set(output, pulse).empty()) {
+        outcome = outputs_.gone() ? WriteStatus::lost : WriteStatus::unavailable;
+    }
+    worker_.part_done(outcome);
+    return outcome;
 }
 
 /// The worker hands the newest pulses to the kernel.
 WriteStatus PwmLink::hand_on() {
-    WriteStatus outcome = WriteStatus::written;
+    WriteStatus worst = WriteStatus::written;
     for (std::size_t output = 0; output < wanted_.size(); ++output) {
-        const std::uint32_t pulse = wanted_[output].load(std::memory_order_relaxed);
-        if (pulse == kNothing) {
-            continue;
-        }
-        if (!outputs_.set(output, pulse).empty()) {
-            outcome = outputs_.gone() ? WriteStatus::lost : WriteStatus::unavailable;
-        }
-        worker_.part_done(outcome);
+        // A newer frame may come at any time, so its life is read before its pulses.
+        worst = std::max(worst, hand_on(output, worker_.valid_until()));
     }
-    return outcome;
+    return worst;
 }
 
 }  // namespace tribus

@@ -22,21 +22,28 @@ class PwmLink final : public ByteLink {
   public:
     /// `period`: of the pulses. The error begins with the chip and says what to do.
     static tl::expected<std::unique_ptr<PwmLink>, std::string> open(
-        const std::string& chip, Duration period, const std::filesystem::path& root = "/");
+        const std::string& chip, Duration period, const WorkerSettings& worker,
+        const std::filesystem::path& root = "/");
     /// Switches all outputs off. May block.
     ~PwmLink() override = default;
 
     /// Nothing arrives.
     ReadStatus read(Reception& reception) override;
-    /// Takes records of core/pwm_pulses.h. `unavailable` while the kernel refuses them or the
-    /// chip's bus hangs, `lost` when the chip is gone.
-    WriteStatus write(std::span<const std::uint8_t> frame) override;
+    /// Takes records of core/pwm_pulses.h. `unavailable` while the kernel refuses them, the chip's
+    /// bus hangs or the thread gets no processor time; `busy` after pulses that were dropped
+    /// because they were too old; `lost` when the chip is gone.
+    WriteStatus write(std::span<const std::uint8_t> frame) override {
+        return write_asked(frame, worker_.life_from_now());
+    }
+    WriteStatus write_asked(std::span<const std::uint8_t> frame, const FrameLife& life) override;
+    bool stands(Instant now) const override { return worker_.stands(now); }
     void discard_unread() override {}
     int descriptor() const override { return -1; }
 
   private:
     PwmLink(PwmChipFacts chip, Duration period);
     WriteStatus hand_on();
+    WriteStatus hand_on(std::size_t output, Instant valid_until);
 
     /// No pulse was ever asked for.
     static constexpr std::uint32_t kNothing = 0xFFFFFFFF;

@@ -35,7 +35,7 @@ const Medium kPwmMedium{
     .users = Users::one,
     .is_missing = [](const std::string& chip) { return is_pwm_chip_missing(chip); },
     .open = [](const std::string& chip,
-               const LinkUse& use) { return as_link(PwmLink::open(chip, use.period)); },
+               const LinkUse& use) { return as_link(PwmLink::open(chip, use.period, use.worker)); },
 };
 
 }  // namespace tribus

@@ -266,7 +266,7 @@ void SerialPort::discard_unread() {
 
 WriteStatus SerialPort::write(std::span<const std::uint8_t> frame) {
     const WriteStatus asked = ask();
-    return asked == WriteStatus::written ? write_asked(frame) : asked;
+    return asked == WriteStatus::written ? write_asked(frame, {}) : asked;
 }
 
 WriteStatus SerialPort::ask() {
@@ -278,7 +278,8 @@ WriteStatus SerialPort::ask() {
     return lost_ ? WriteStatus::lost : queued > 0 ? WriteStatus::busy : WriteStatus::written;
 }
 
-WriteStatus SerialPort::write_asked(std::span<const std::uint8_t> frame) {
+WriteStatus SerialPort::write_asked(std::span<const std::uint8_t> frame,
+                                    const FrameLife& /*life*/) {
     const ssize_t taken = write_directly(fd_.get(), frame.data(), frame.size());
     const int error = taken < 0 ? errno : 0;
     if (taken < 0 && error == EINTR) {

@@ -48,6 +48,10 @@ Completion completion(const std::vector<std::string_view>& typed) {
                        [] {
                            return Words{"first", "second"};
                        }},
+                  {.name = "--throttle",
+                   .value = &text,
+                   .help = "",
+                   .choices = {"zero based", "centred"}},
                   {.name = "--once", .value = &flag, .help = "Once"}},
              .selected = SelectedOptions{.by = "--format",
                                          .of =
@@ -102,6 +106,12 @@ TEST(Completion, OffersChoicesBehindTheOptionAndBehindTheEqualsSign) {
     EXPECT_EQ(offered({"steer", "--format="}), (Words{"text", "json"}));
     EXPECT_EQ(offered({"steer", "--format=t"}), Words{"text"});
     EXPECT_EQ(offered({"steer", "--foramt=t"}), Words{});
+}
+
+TEST(Completion, QuotesAChoiceOfSeveralWords) {
+    EXPECT_EQ(offered({"steer", "--throttle", ""}), (Words{"\"zero based\"", "centred"}));
+    EXPECT_EQ(offered({"steer", "--throttle=z"}), Words{"\"zero based\""});
+    EXPECT_EQ(offered({"steer", "--throttle=\"z"}), Words{"\"zero based\""});
 }
 
 TEST(Completion, CountsTheValuesOfAnOption) {

@@ -29,7 +29,7 @@ class WatchdogTest : public testing::Test {
                 outputs_[1].due = published_ + 3ms;
                 outputs_[1].overruns += missed_each_look;
             }
-            words += watchdog_.look(now_, published_, outputs_) ? 1 : 0;
+            words += watchdog_.look(now_, published_, outputs_, standing_) ? 1 : 0;
         }
         return words;
     }
@@ -37,6 +37,7 @@ class WatchdogTest : public testing::Test {
     Instant now_{1000s};
     Instant published_{};
     std::vector<OutputProgress> outputs_;
+    Standing standing_;
     Watchdog watchdog_{4s};
 };
 
@@ -101,6 +102,21 @@ TEST_F(WatchdogTest, is_fed_again_at_once_when_a_thread_that_stood_goes_on) {
     go_on(10s);
     go_on(3s, false);
     EXPECT_EQ(go_on(200ms), 1);
+}
+
+TEST_F(WatchdogTest, is_not_fed_once_another_part_has_stood_for_more_than_a_second) {
+    for (const auto part :
+         {Standing::Part::port_unheard, Standing::Part::link_thread, Standing::Part::gpio_thread}) {
+        go_on(10s);
+        standing_ = {.part = part, .port = 1};
+        go_on(1200ms);
+        EXPECT_EQ(watchdog_.punctuality(), Punctuality::on_time);
+        EXPECT_EQ(go_on(60s), 0);
+        EXPECT_EQ(watchdog_.punctuality(), Punctuality::part_stands);
+        EXPECT_EQ(watchdog_.standing(), standing_);
+        standing_ = {};
+        EXPECT_EQ(go_on(200ms), 1) << "it goes on";
+    }
 }
 
 TEST_F(WatchdogTest, is_fed_while_an_output_misses_fewer_than_half_of_its_turns) {

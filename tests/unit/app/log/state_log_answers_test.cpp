@@ -58,6 +58,19 @@ class StateLogOfAnAutopilot : public testing::Test {
         }));
         return said();
     }
+    /// The same with heartbeats of another autopilot.
+    std::string after_heartbeats_of(std::uint8_t system, std::uint32_t count) {
+        const auto others = [&] { return appliance_->output_status(0).answers.heard_others; };
+        const std::uint32_t before = others();
+        for (std::uint32_t i = 0; i < count; ++i) {
+            autopilot_.send(heartbeat_message({.system = system}));
+        }
+        EXPECT_TRUE(seen_within([&] {
+            autopilot_.receive();
+            return others() == before + count;
+        }));
+        return said();
+    }
     std::uint32_t heard() const { return appliance_->output_status(0).answers.heard; }
     std::string after_channels(double pulse) {
         autopilot_.send(rc_channels_message(std::vector<double>(16, pulse)));
@@ -112,6 +125,18 @@ TEST_F(StateLogOfAnAutopilot, SaysThatAnEffectCameAfterAll) {
     EXPECT_EQ(after_heartbeats(10), kAdvice);
     EXPECT_EQ(after_channels(1501), "output drone: an answer shows its channels now\n");
     EXPECT_EQ(after_heartbeats(20), "");
+}
+
+TEST_F(StateLogOfAnAutopilot, SaysThatTheTargetIsWrong) {
+    EXPECT_EQ(after_heartbeats_of(2, 20), "");
+    steer();
+    EXPECT_EQ(after_heartbeats_of(2, 9), "");
+    EXPECT_EQ(after_heartbeats_of(2, 1),
+              "output drone: autopilot 2 answers, and none with system id 1, the `target` of this "
+              "output; set target to the id of the autopilot, its MAV_SYSID (before 4.7 "
+              "SYSID_THISMAV)\n");
+    EXPECT_EQ(after_heartbeats_of(2, 20), "");
+    EXPECT_EQ(after_channels(1500), "output drone: an answer shows its channels now\n");
 }
 
 TEST_F(StateLogOfAnAutopilot, CountsOnlyAnswersToWhatIsSent) {

@@ -96,8 +96,10 @@ class SimulatedExample : public testing::Test {
 
 /// What a reader gets before, at and after the loss of the receiver: failsafe, control, values that
 /// are held and marked, failsafe. `hold_from`, `failsafe_from`: us after the last frame.
+/// `flagged`: held values have the failsafe flag, too.
 void expect_marked_loss(const std::vector<Sent>& frames, const Pulses& values,
-                        const Pulses& presets, std::int64_t hold_from, std::int64_t failsafe_from) {
+                        const Pulses& presets, std::int64_t hold_from, std::int64_t failsafe_from,
+                        bool flagged = false) {
     constexpr std::int64_t kPeriod = 25'000;  // us; the longest of these outputs, and some more
     constexpr std::int64_t kPowerOn = 500'000;
     std::size_t good = 0;
@@ -105,7 +107,9 @@ void expect_marked_loss(const std::vector<Sent>& frames, const Pulses& values,
     std::size_t failsafe = 0;
     for (const Sent& frame : frames) {
         SCOPED_TRACE(frame.at);
-        EXPECT_EQ(frame.channels, frame.failsafe ? presets : values);
+        const bool holds =
+            frame.frame_lost && (flagged ? frame.channels == values : !frame.failsafe);
+        EXPECT_EQ(frame.channels, frame.failsafe && !holds ? presets : values);
         if (frame.at < kPowerOn || frame.at > kLastStick + failsafe_from + kPeriod) {
             EXPECT_TRUE(frame.failsafe);
         } else if (frame.at > kPowerOn + 2 * kPeriod &&
@@ -113,11 +117,11 @@ void expect_marked_loss(const std::vector<Sent>& frames, const Pulses& values,
             EXPECT_TRUE(frame.good());
         } else if (frame.at > kLastStick + hold_from + kPeriod &&
                    frame.at < kLastStick + failsafe_from - kPeriod) {
-            EXPECT_TRUE(frame.frame_lost && !frame.failsafe);
+            EXPECT_TRUE(holds && frame.failsafe == flagged);
         }
         good += frame.good() ? 1U : 0U;
-        held += frame.frame_lost && !frame.failsafe ? 1U : 0U;
-        failsafe += frame.failsafe ? 1U : 0U;
+        held += holds ? 1U : 0U;
+        failsafe += frame.failsafe && !holds ? 1U : 0U;
     }
     EXPECT_GT(good, 20U);
     EXPECT_GT(held, 3U);
@@ -130,8 +134,9 @@ const Pulses kStandstill = pulses({1500, 1500, 988, 1500, 1500, 1500, 1500, 1500
 TEST_F(SimulatedExample, CrsfToMavlinkCarriesSixteenChannelsAndMarksALoss) {
     make_receiver("crsf");
     simulate("crsf-to-mavlink", "--in radio=receiver.txt --out autopilot=out.txt");
+    constexpr bool kFlagged = true;
     expect_marked_loss(decoded("out.txt", "mavlink"), pulses(kSticks), kStandstill, 250'000,
-                       400'000);
+                       400'000, kFlagged);
 }
 
 TEST_F(SimulatedExample, CrsfToDroneCanCarriesSixteenChannelsAndMarksALoss) {

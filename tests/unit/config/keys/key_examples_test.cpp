@@ -273,6 +273,8 @@ std::map<std::string, std::string> special_contexts() {
         {"output-chip", output("protocol = \"pwm\"\noutputs = { 1 = 0 }\n")},
         {"mavlink-buttons", input("protocol = \"mavlink\"\ndevice = \"/dev/ttyA\"\n"
                                   "message = \"manual_control\"\n")},
+        {"mavlink-throttle", input("protocol = \"mavlink\"\ndevice = \"/dev/ttyA\"\n"
+                                   "message = \"manual_control\"\n")},
         {"mavlink-on_loss", output(to_autopilot)},
         {"mavlink-version", output(to_autopilot)},
         {"crsf-model_id", output(module_line + "role = \"handset\"\n")},

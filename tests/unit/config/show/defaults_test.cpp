@@ -178,6 +178,8 @@ TEST_F(Defaults, ThatDependOnOtherKeysArePrinted) {
         {mavlink, "channels", 16},
         {mavlink + "message = \"rc_channels_override\"\nversion = 1\n", "channels", 8},
         {mavlink + "message = \"manual_control\"\n", "channels", nullptr},
+        {mavlink + "message = \"manual_control\"\n", "throttle", "zero based"},
+        {mavlink, "throttle", nullptr},
         {mavlink, "link_id", nullptr},
         {dronecan, "channels", 18},
         {dronecan, "receiver", 0},

@@ -155,6 +155,18 @@ TEST_F(Pages, show_parts_of_configurations_that_are_accepted_with_what_they_leav
     EXPECT_GE(found, 20U);
 }
 
+/// Whoever copies one block of the page has a configuration that works.
+TEST_F(Pages, of_telemetry_show_configurations_that_are_accepted_alone) {
+    std::size_t found = 0;
+    for (const Fence& fence : snippets_) {
+        if (fence.where.starts_with("telemetry.md")) {
+            ++found;
+            EXPECT_EQ(mistakes_of(fence.text), std::vector<std::string>{}) << fence.where;
+        }
+    }
+    EXPECT_GE(found, 11U);
+}
+
 /// The README leads to a first configuration of one's own: its nine lines with what it adds.
 TEST_F(Pages, the_readme_shows_one_configuration_in_pieces) {
     std::string text;

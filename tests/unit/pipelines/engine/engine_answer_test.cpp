@@ -71,6 +71,15 @@ TEST(EngineAnswer, NothingIsWrittenWithoutARequest) {
     EXPECT_TRUE(bench.sent().empty());
 }
 
+TEST(EngineAnswer, TheEndNeedNotWaitForAnOutputOfValuesAlone) {
+    AnswerBench bench;
+    bench.run_until(100ms);
+    // Its period is 1 s, and it has no last frames to send.
+    EXPECT_EQ(bench.engine().end(kStart + 100ms), kStart + 100ms);
+    EXPECT_EQ(bench.engine().end(Leaving{.outputs = {0}, .nodes = {}}, kStart + 200ms),
+              kStart + 200ms);
+}
+
 TEST(EngineAnswer, ARequestThatWasReadAfterAStallIsNotAnswered) {
     AnswerBench bench;
     bench.run_until(100ms);

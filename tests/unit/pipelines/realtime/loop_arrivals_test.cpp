@@ -1,4 +1,5 @@
 #include <fcntl.h>
+#include <sys/eventfd.h>
 #include <unistd.h>
 
 #include <array>
@@ -37,12 +38,17 @@ struct Pipe {
     }
 };
 
-/// Reads from a pipe, which wakes epoll at each write, also at the last one before it is closed.
+enum class Reports : std::uint8_t { each_arrival, nothing };
+
+/// Reads from a pipe, which wakes epoll at each write, also at the last one before it is closed. Or
+/// it shows epoll another descriptor, of which the kernel reports nothing.
 class PipeLink : public ByteLink {
   public:
-    explicit PipeLink(UniqueFd pipe) : pipe_(std::move(pipe)) {}
+    PipeLink(UniqueFd pipe, Reports reports)
+        : pipe_(std::move(pipe)),
+          other_(reports == Reports::nothing ? ::eventfd(0, EFD_NONBLOCK) : -1) {}
 
-    int descriptor() const override { return pipe_.get(); }
+    int descriptor() const override { return other_.valid() ? other_.get() : pipe_.get(); }
     bool wakes_at_each_arrival() const override { return true; }
     ReadStatus read(Reception& reception) override {
         const ssize_t taken = ::read(pipe_.get(), reception.bytes.data(), reception.bytes.size());
@@ -56,13 +62,14 @@ class PipeLink : public ByteLink {
 
   private:
     UniqueFd pipe_;
+    UniqueFd other_;
 };
 
 /// An input of i.Bus that reads from a pipe. Its output has no device. The test plays the thread of
 /// a GPIO line that forces failsafe.
 class LoopArrivals : public testing::Test {
   protected:
-    LoopArrivals() {
+    explicit LoopArrivals(Reports reports = Reports::each_arrival) {
         const auto configuration = load_configuration(
             "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"/dev/pipe\"\n"
             "[output.servos]\nprotocol = \"sbus\"\ndevice = \"/dev/none\"\n"
@@ -75,7 +82,8 @@ class LoopArrivals : public testing::Test {
         std::vector<std::unique_ptr<Link>> links;
         for (PortPlan& plan : plan_ports(*configuration)) {
             const bool reads = plan.config.device == "/dev/pipe";
-            links.push_back(reads ? std::make_unique<PipeLink>(std::move(pipe_.out)) : nullptr);
+            links.push_back(reads ? std::make_unique<PipeLink>(std::move(pipe_.out), reports)
+                                  : nullptr);
             plan.wiring.byte_time = {};
             wiring.push_back(std::move(plan.wiring));
         }
@@ -94,8 +102,8 @@ class LoopArrivals : public testing::Test {
     }
     /// Waits until it holds, but not for ever.
     template <class Condition>
-    static bool comes_true(Condition condition) {
-        for (const Instant end = monotonic_now() + 5s; monotonic_now() < end;) {
+    static bool comes_true(Condition condition, Duration patience = 5s) {
+        for (const Instant end = monotonic_now() + patience; monotonic_now() < end;) {
             if (condition()) {
                 return true;
             }
@@ -143,6 +151,31 @@ TEST_F(LoopArrivals, WithTheHangUpBehindThemLoseTheLink) {
     start();
     EXPECT_TRUE(comes_true([this] { return loop_->take_lost(0) != nullptr; }));
     EXPECT_EQ(loop_->input_status(0).counts.frames, 1U);
+}
+
+class UnreportedArrivals : public LoopArrivals {
+  protected:
+    UnreportedArrivals() : LoopArrivals(Reports::nothing) {}
+};
+
+TEST_F(UnreportedArrivals, AreReadOnceASecondAndToldAsAFault) {
+    start();
+    EXPECT_TRUE(comes_true([this] {
+        pipe_.write(from_hex(kIa6bFrame));
+        return loop_->standing_port().fault == StandingPort::Fault::unheard;
+    }));
+    EXPECT_EQ(loop_->standing_port().port, 0U);
+    EXPECT_GE(loop_->input_status(0).counts.frames, 2U);
+}
+
+TEST_F(LoopArrivals, ThatTheKernelReportsAreNoFault) {
+    start();
+    EXPECT_FALSE(comes_true(
+        [this] {
+            pipe_.write(from_hex(kIa6bFrame));
+            return loop_->standing_port().fault != StandingPort::Fault::none;
+        },
+        3s));
 }
 
 TEST_F(LoopArrivals, AreNotPassedOnWhileNobodyLooksAtALineThatForcesFailsafe) {

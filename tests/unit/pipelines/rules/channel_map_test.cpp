@@ -198,6 +198,30 @@ TEST(ChannelMap, mix_adds_weighted_deviations) {
     EXPECT_EQ(map.apply(input, kNow).channel(0), us(1800));
 }
 
+/// 1500 + 10 * 500 us is 6500 us, more than a Pulse can be.
+TEST(ChannelMap, a_mix_beyond_the_range_of_a_pulse_is_limited_after_all_steps_and_not_before) {
+    ChannelRule rule = {.output = 0, .source = Mix{{{0, 10.0}}}};
+    rule.trim = us(-500);
+    ChannelMap trimmed = map_of(rule);
+    EXPECT_EQ(trimmed.apply(with_first(us(2000)), kNow).channel(0), Pulse::from_eighths(INT16_MAX))
+        << "6000 us, not 4095.875 - 500";
+    EXPECT_EQ(trimmed.apply(with_first(us(1700)), kNow).channel(0), us(3000));
+    rule.trim = us(500);
+    rule.reverse = true;
+    ChannelMap reversed = map_of(rule);
+    EXPECT_EQ(reversed.apply(with_first(us(2000)), kNow).channel(0), us(-3000));
+    rule.min = us(900);
+    ChannelMap limited = map_of(rule);
+    EXPECT_EQ(limited.apply(with_first(us(2000)), kNow).channel(0), us(900));
+}
+
+TEST(ChannelMap, a_slew_behind_such_a_mix_is_never_further_away_than_the_range_of_a_pulse) {
+    ChannelMap map = map_of({.output = 0, .source = Mix{{{0, 10.0}}}, .slew_us_per_second = 1000});
+    map.apply(with_first(us(2000)), kNow);
+    EXPECT_EQ(map.apply(with_first(us(1500)), kNow + 100ms).channel(0),
+              Pulse::from_eighths(INT16_MAX - 800));
+}
+
 TEST(ChannelMap, fixed_ignores_the_input) {
     ChannelMap map = map_of({.output = 15, .source = Fixed{us(1234)}});
     EXPECT_EQ(map.apply(ChannelFrame{}, kNow).channel(15), us(1234));

@@ -180,6 +180,25 @@ TEST_F(SensorRoleOfTwo, NeverSaysAValueThatGrewStaleAfterItWasPrepared) {
     EXPECT_EQ(answer(request(0xA1)), with_ibus_checksum({0x06, 0xA1, 0x00, 0x80}));
 }
 
+TEST_F(SensorRoleOfTwo, SaysANegativeNumberAsSuchOrNone) {
+    // A battery current has no sign in FlySky's meaning, an external voltage has one.
+    make({.sensors = {sensor("battery_current", 0), sensor("external_voltage", 0)}});
+    board_.set(0, -5, now_);
+    EXPECT_TRUE(answer(request(0xA1)).empty());
+    EXPECT_EQ(answer(request(0xA2)), with_ibus_checksum({0x06, 0xA2, 0x0C, 0xFE})) << "-500";
+    board_.set(0, -0.004, now_);
+    now_ += kSlot;
+    EXPECT_EQ(answer(request(0xA1)), with_ibus_checksum({0x06, 0xA1, 0x00, 0x00})) << "rounded";
+}
+
+TEST_F(SensorRoleOfTwo, SaysTheNumberThatTheUserWantsForANegativeOneWithoutASign) {
+    auto current = sensor("battery_current", 0);
+    current.when_stale = 0;
+    make({.sensors = {current}});
+    board_.set(0, -5, now_);
+    EXPECT_EQ(answer(request(0xA1)), with_ibus_checksum({0x06, 0xA1, 0x00, 0x00}));
+}
+
 TEST_F(SensorRoleOfTwo, SaturatesAtTheEndsOfTheType) {
     for (const auto& [number, low, high] :
          {std::tuple{1e9, 0xFF, 0x7F}, std::tuple{-1e9, 0x01, 0x80}}) {

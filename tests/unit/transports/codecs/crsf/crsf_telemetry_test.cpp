@@ -162,8 +162,40 @@ TEST(CrsfTelemetry, LimitsNumbersToWhatTheirPlaceHolds) {
     EXPECT_EQ(
         Telemetry(with("temperature", numbered({"a", "b"})), {{"a", 1e9}, {"b", -1e9}}).sent(),
         plain_crsf(0xC8, 0x0D, {0, 0x7F, 0xFF, 0x80, 0x00}));
-    EXPECT_EQ(Telemetry(with("cells", numbered({"a", "b"})), {{"a", 1e9}, {"b", -1}}).sent(),
+    EXPECT_EQ(Telemetry(with("cells", numbered({"a", "b"})), {{"a", 1e9}, {"b", -4e-4}}).sent(),
               plain_crsf(0xC8, 0x0E, {0, 0xFF, 0xFF, 0x00, 0x00}));
+}
+
+TEST(CrsfTelemetry, WritesANegativeCurrentAsSuch) {
+    const auto current = [](double amperes) {
+        return Telemetry(with("battery", table({{"current", "a"}})), {{"a", amperes}}).sent();
+    };
+    EXPECT_EQ(current(-5), plain_crsf(0xC8, 0x08, {0, 0, 0xFF, 0xCE, 0, 0, 0, 0}));
+    EXPECT_EQ(current(-0.1), plain_crsf(0xC8, 0x08, {0, 0, 0xFF, 0xFF, 0, 0, 0, 0}));
+    EXPECT_EQ(current(500), plain_crsf(0xC8, 0x08, {0, 0, 0x13, 0x88, 0, 0, 0, 0}));
+}
+
+TEST(CrsfTelemetry, LeavesOutAFrameWithANegativeNumberInAPlaceWithoutASign) {
+    EXPECT_TRUE(Telemetry(with("cells", numbered({"a"})), {{"a", -1}}).sent().empty());
+    EXPECT_TRUE(
+        Telemetry(with("battery", table({{"voltage", "v"}})), {{"v", -0.1}}).sent().empty());
+    EXPECT_TRUE(
+        Telemetry(with("battery", table({{"remaining", "p"}})), {{"p", -1}}).sent().empty());
+}
+
+TEST(CrsfTelemetry, WritesAHeadingWithinAWholeTurn) {
+    const auto heading = [](double degrees) {
+        const Bytes bytes =
+            Telemetry(
+                with("gps", table({{"latitude", "o"}, {"longitude", "o"}, {"heading", "deg"}})),
+                {{"o", 0}, {"deg", degrees}})
+                .sent();
+        return bytes.at(13) << 8 | bytes.at(14);
+    };
+    for (const auto& [degrees, sent] :
+         {std::pair{-10.0, 35000}, {350.0, 35000}, {370.0, 1000}, {0.0, 0}, {-180.0, 18000}}) {
+        EXPECT_EQ(heading(degrees), sent) << degrees;
+    }
 }
 
 TEST(CrsfTelemetry, LeavesOutAFrameWithAValueThatIsTooOldOrNoNumber) {
@@ -182,13 +214,15 @@ TEST(CrsfTelemetry, ConvertsUnits) {
     const SettingValues cells = with("cells", numbered({"a"}));
     EXPECT_EQ(Telemetry(cells, {{"a", 4000}}, "mV").sent(), four_volts);
     EXPECT_EQ(Telemetry(cells, {{"a", 4}}, "V").sent(), four_volts);
-    EXPECT_EQ(Telemetry(cells, {{"a", 4}}, "furlongs").sent(), four_volts) << "as it is";
+    EXPECT_EQ(Telemetry(cells, {{"a", 4}}).sent(), four_volts) << "without a unit as it is";
     EXPECT_EQ(Telemetry(with("temperature", numbered({"a"})), {{"a", 298.15}}, "K").sent(),
               plain_crsf(0xC8, 0x0D, {0, 0x00, 0xFA}));
 }
 
 TEST(CrsfTelemetry, LeavesOutAFrameWithAValueThatMeasuresSomethingElse) {
-    EXPECT_TRUE(Telemetry(with("cells", numbered({"a"})), {{"a", 20}}, "degC").sent().empty());
+    for (const char* const unit : {"degC", "furlongs"}) {
+        EXPECT_TRUE(Telemetry(with("cells", numbered({"a"})), {{"a", 20}}, unit).sent().empty());
+    }
 }
 
 TEST(CrsfTelemetry, SendsItsFramesInTurnAndPassesOverThoseThatItLeavesOut) {
@@ -243,7 +277,9 @@ TEST(CrsfTelemetry, NamesItsValuesWithTheKeysThatNameThem) {
     ASSERT_EQ(uses.size(), 2U);
     EXPECT_EQ(uses[0].name, "pack.v");
     EXPECT_EQ(uses[0].path, (std::vector<std::string>{"battery", "voltage"}));
+    EXPECT_EQ(uses[0].unit, "V");
     EXPECT_EQ(uses[1].name, "pack.p");
+    EXPECT_EQ(uses[1].unit, "%");
 }
 
 }  // namespace

@@ -76,7 +76,7 @@ TEST_F(DbcValueOutput, ConvertsToTheUnitOfTheSignal) {
 }
 
 TEST_F(DbcValueOutput, ANumberWhoseUnitOrSignalHasNoneIsTakenAsItIs) {
-    // 12600 in 8 bits without a unit saturates at 255. -2.5 A has another quantity than "V".
+    // 12600 in 8 bits without a unit saturates at 255.
     EXPECT_EQ(sent(R"({"Battery": {"Cells": {"from": "cells"}}})"),
               (Bytes{0, 0, 0, 0, 0, 3, 0, 0}));
     EXPECT_EQ(sent(R"({"Battery": {"Cells": {"from": "battery.voltage"}}})"),
@@ -92,6 +92,28 @@ TEST_F(DbcValueOutput, SaturatesAtTheRangeOfTheFile) {
               (Bytes{0x70, 0x17, 0, 0, 0, 0, 0, 0}));
     board_.set(kVoltage, -1, at(0));
     EXPECT_EQ(sent(R"({"Battery": {"Voltage": {"from": "battery.voltage"}}})"),
+              (Bytes{0, 0, 0, 0, 0, 0, 0, 0}));
+}
+
+TEST_F(DbcValueOutput, ANumberWhoseUnitDoesNotConvertIsMissing) {
+    EXPECT_EQ(sent(R"({"Battery": {"Voltage": {"from": "battery.current"}}})"), std::nullopt);
+    EXPECT_EQ(sent(R"({"Battery": {"Voltage": {"from": "battery.current", "not_available": 7}}})"),
+              (Bytes{7, 0, 0, 0, 0, 0, 0, 0}));
+}
+
+TEST_F(DbcValueOutput, ANegativeNumberIsSentAsSuchOrIsMissing) {
+    // -2.5 A in steps of 0.1 A is -25 = 0xFFE7.
+    EXPECT_EQ(sent(R"({"Battery": {"Current": {"from": "battery.current"}}})"),
+              (Bytes{0, 0, 0xE7, 0xFF, 0, 0, 0, 0}));
+    board_.set(kVoltage, -100, at(0));
+    EXPECT_EQ(sent(R"({"Battery": {"Voltage": {"from": "battery.voltage"}}})"), std::nullopt);
+    board_.set(kCells, -1, at(0));
+    EXPECT_EQ(sent(R"({"Battery": {"Cells": {"from": "cells"}}})"), std::nullopt);
+    EXPECT_EQ(sent(R"({"Battery": {"Cells": {"from": "cells", "not_available": 255}}})"),
+              (Bytes{0, 0, 0, 0, 0, 255, 0, 0}));
+    // -45 degC is colder than the signal can say, which has negative numbers.
+    board_.set(kTemperature, 228.15, at(0));
+    EXPECT_EQ(sent(R"({"Battery": {"Temperature": {"from": "battery.temperature"}}})"),
               (Bytes{0, 0, 0, 0, 0, 0, 0, 0}));
 }
 
@@ -247,13 +269,16 @@ SettingValues output(std::string_view signals) {
 }
 
 TEST(DbcValueNames, AreThoseOfTheOutputWithTheKeysThatNameThem) {
-    const auto uses = kDbcProtocol.value_names(
-        output(R"({"Battery": {"Voltage": {"from": "battery.voltage"}, "Current": 1},
+    const auto uses =
+        kDbcProtocol.value_names(output(R"({"Battery": {"Voltage": {"from": "battery.voltage"},
+                               "Current": {"channel": 1, "value": [-100, 100]}},
                    "Slow": {"Cells": {"from": "cells"}}})"));
     ASSERT_EQ(uses.size(), 2U);
     EXPECT_EQ(uses[0].name, "battery.voltage");
     EXPECT_EQ(uses[0].path, (std::vector<std::string>{"signals", "Battery", "Voltage", "from"}));
+    EXPECT_EQ(uses[0].unit, "V");
     EXPECT_EQ(uses[1].name, "cells");
+    EXPECT_EQ(uses[1].unit, "");
     EXPECT_EQ(uses[1].path, (std::vector<std::string>{"signals", "Slow", "Cells", "from"}));
 }
 

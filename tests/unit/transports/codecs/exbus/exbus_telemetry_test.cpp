@@ -245,11 +245,13 @@ TEST(ExBusTelemetry, ShowsDegreesInLatin1) {
               "C");
 }
 
-TEST(ExBusTelemetry, AValueOfAnotherQuantityHasNoNumber) {
-    auto sensors = Device::plain(2);
-    sensors[0].unit = "A";
-    Device device(std::move(sensors));
-    EXPECT_EQ(device.numbers(), (Numbers{{2, 2}}));
+TEST(ExBusTelemetry, AValueOfAnotherQuantityOrAnUnknownOneHasNoNumber) {
+    for (const char* const unit : {"A", "bananas"}) {
+        auto sensors = Device::plain(2);
+        sensors[0].unit = unit;
+        Device device(std::move(sensors));
+        EXPECT_EQ(device.numbers(), (Numbers{{2, 2}})) << unit;
+    }
 }
 
 TEST(ExBusTelemetry, AStaleNumberIsLeftOutAndWithoutAnyItIsSilent) {

@@ -1,7 +1,12 @@
 #include "transports/codecs/mavlink/answers.h"
 
+#include <array>
 #include <chrono>
 #include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <variant>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -47,6 +52,18 @@ TEST(MavlinkAnswers, CountTheHeartbeatsOfTheAutopilotThatIsSteered) {
     EXPECT_FALSE(encoder.answers().effect);
 }
 
+TEST(MavlinkAnswers, CountTheHeartbeatsOfOtherAutopilotsApart) {
+    MavlinkEncoder encoder({.message = MavlinkChannels::rc_channels_override, .target = 7});
+    encoder.hear(heartbeat_message({.system = 4}), kStart);
+    encoder.hear(heartbeat_message({.system = 5}), kStart);
+    // A gimbal, and a ground station, which is no autopilot (MAV_AUTOPILOT_INVALID).
+    encoder.hear(heartbeat_message({.system = 6, .component = 154}), kStart);
+    encoder.hear(heartbeat_message({.system = 8}, 6, 8), kStart);
+    EXPECT_EQ(encoder.answers().heard, 0U);
+    EXPECT_EQ(encoder.answers().heard_others, 2U);
+    EXPECT_EQ(encoder.answers().other, 5);
+}
+
 TEST(MavlinkAnswers, ShowAnEffectWhereTheChannelsAreThoseThatWereSent) {
     for (const auto message :
          {MavlinkChannels::rc_channels_override, MavlinkChannels::radio_rc_channels}) {
@@ -70,6 +87,35 @@ TEST(MavlinkAnswers, ShowAnEffectOnlyOfTheAutopilotWithAllChannels) {
     EXPECT_FALSE(shows_effect(kOverrides, rc_channels_message({1500, 1500, 1000, 1500})));
     EXPECT_FALSE(shows_effect(kOverrides, rc_channels_message({})));
     EXPECT_FALSE(shows_effect(kOverrides, heartbeat_message()));
+}
+
+/// RC_CHANNELS that shows `pulses` and says that its receiver has `count` channels.
+Bytes with_count(const std::vector<double>& pulses, std::uint8_t count, unsigned unused) {
+    Bytes payload(42);
+    for (std::size_t i = 0; i < 18; ++i) {
+        const auto word = i < pulses.size() ? static_cast<unsigned>(pulses[i]) : unused;
+        payload[4 + 2 * i] = static_cast<std::uint8_t>(word);
+        payload[5 + 2 * i] = static_cast<std::uint8_t>(word >> 8U);
+    }
+    payload[40] = count;
+    payload[41] = 255;
+    return message_2(65, 118, payload);
+}
+
+TEST(MavlinkAnswers, ShowAnEffectWhateverTheReceiverOfTheAutopilotHas) {
+    // ArduPilot: chancount is that of its receiver, and all channels are shown.
+    for (const unsigned count : {0U, 8U, 16U, 18U}) {
+        EXPECT_TRUE(shows_effect(kOverrides,
+                                 with_count(kSixteenPulses, static_cast<std::uint8_t>(count), 0)));
+    }
+    // Only the receiver's channels are shown.
+    for (const unsigned unused : {0U, 65535U}) {
+        EXPECT_TRUE(shows_effect(kOverrides, with_count(kEightPulses, 8, unused)));
+        EXPECT_FALSE(shows_effect(kOverrides, with_count({1500, 1500, 1000, 1500}, 4, unused)));
+        EXPECT_FALSE(shows_effect(kOverrides, with_count(kEightPulses, 16, unused)));
+        EXPECT_FALSE(shows_effect(kOverrides, with_count({}, 0, unused)));
+    }
+    EXPECT_FALSE(shows_effect(kOverrides, with_count(with_channel(15, 1900), 8, 0)));
 }
 
 TEST(MavlinkAnswers, ShowNoEffectOfWhatWasNotSentYet) {
@@ -118,26 +164,83 @@ TEST(MavlinkAnswers, TellNothingOfManualControl) {
                               rc_channels_message(kSixteenPulses)));
     SettingValues settings;
     settings.set("message", std::string("manual_control"));
-    EXPECT_EQ(kMavlinkProtocol.advice_without_effect(settings), "");
+    EXPECT_EQ(kMavlinkProtocol.advice_by_answers(settings, {.heard = 100}), "");
+}
+
+std::string advice(const SettingValues& settings, const Answers& answers) {
+    return kMavlinkProtocol.advice_by_answers(settings, answers);
 }
 
 TEST(MavlinkAnswers, AdviceNamesTheSystemsAndWhatToCheck) {
+    constexpr Answers kNoEffect{.heard = 10};
     SettingValues settings;
     settings.set("message", std::string("rc_channels_override"));
     settings.set("system", std::int64_t{250});
     settings.set("target", std::int64_t{3});
-    EXPECT_EQ(kMavlinkProtocol.advice_without_effect(settings),
+    EXPECT_EQ(advice(settings, kNoEffect),
               "autopilot 3 answers, but none of its RC_CHANNELS has these channels; it takes "
               "overrides only from its ground station: its MAV_GCS_SYSID (before 4.7 SYSID_MYGCS) "
               "must be 250, the `system` of this output; and it must send RC_CHANNELS "
               "(SRn_RC_CHAN 2 or more)");
     settings.set("key", KeyFile{"drone.key", {1}});
-    EXPECT_NE(kMavlinkProtocol.advice_without_effect(settings).find("have the same key"),
-              std::string::npos);
-    EXPECT_EQ(kMavlinkProtocol.advice_without_effect({}),
+    EXPECT_NE(advice(settings, kNoEffect).find("have the same key"), std::string::npos);
+    EXPECT_EQ(advice({}, kNoEffect),
               "autopilot 1 answers, but none of its RC_CHANNELS has these channels; it must read "
               "RADIO_RC_CHANNELS (ArduPilot 4.6 and newer); and it must send RC_CHANNELS "
               "(SRn_RC_CHAN 2 or more)");
+    EXPECT_EQ(advice({}, {.heard = 9}), "");
+    EXPECT_EQ(advice({}, {.heard = 10, .effect = true}), "");
+}
+
+TEST(MavlinkAnswers, AdviceSaysThatTheTargetIsWrong) {
+    constexpr std::string_view kWrong =
+        "autopilot 2 answers, and none with system id 1, the `target` of this output; set target "
+        "to the id of the autopilot, its MAV_SYSID (before 4.7 SYSID_THISMAV)";
+    for (const char* const message :
+         {"radio_rc_channels", "rc_channels_override", "manual_control"}) {
+        SettingValues settings;
+        settings.set("message", std::string(message));
+        EXPECT_EQ(advice(settings, {.heard_others = 10, .other = 2}), kWrong);
+        EXPECT_EQ(advice(settings, {.heard_others = 9, .other = 2}), "");
+        EXPECT_EQ(advice(settings, {.heard = 1, .heard_others = 100, .other = 2}), "");
+    }
+}
+
+/// The advice of an output with MANUAL_CONTROL after the first HEARTBEAT.
+std::string throttle_advice(const std::string& throttle, std::uint8_t vehicle,
+                            std::uint8_t autopilot, const std::string& message = "manual_control") {
+    SettingValues settings;
+    settings.set("message", message);
+    if (!throttle.empty()) {
+        settings.set("throttle", throttle);
+    }
+    const AnyEncoder made = kMavlinkProtocol.make_encoder(settings);
+    auto& encoder = *std::get<std::unique_ptr<ByteEncoder>>(made);
+    encoder.hear(heartbeat_message({}, vehicle, autopilot), kStart);
+    return advice(settings, encoder.answers());
+}
+
+TEST(MavlinkAnswers, AdviceSaysHowTheThrottleOfTheVehicleCounts) {
+    // MAV_TYPE: 2 quadrotor, 10 ground rover, 11 surface boat, 12 submarine. MAV_AUTOPILOT: 3
+    // ArduPilot, 12 PX4, which takes 0 to 1000 always.
+    for (const std::string& zero_based : {std::string(), std::string("zero based")}) {
+        EXPECT_EQ(throttle_advice(zero_based, 10, 3),
+                  "autopilot 1 is a rover with ArduPilot: a centred stick is half throttle there, "
+                  "and reverse cannot be reached; set throttle = \"centred\"");
+        EXPECT_NE(throttle_advice(zero_based, 11, 3).find("is a boat with ArduPilot"),
+                  std::string::npos);
+        for (const std::uint8_t vehicle : std::to_array<std::uint8_t>({1, 2, 12})) {
+            EXPECT_EQ(throttle_advice(zero_based, vehicle, 3), "");
+        }
+        EXPECT_EQ(throttle_advice(zero_based, 10, 12), "");
+    }
+    EXPECT_EQ(throttle_advice("centred", 10, 3), "");
+    EXPECT_EQ(throttle_advice("centred", 11, 3), "");
+    EXPECT_EQ(throttle_advice("centred", 2, 3),
+              "autopilot 1 is no rover or boat with ArduPilot, and takes no throttle below the "
+              "centre; set throttle = \"zero based\"");
+    EXPECT_NE(throttle_advice("centred", 10, 12), "");
+    EXPECT_EQ(throttle_advice("", 10, 3, "rc_channels_override"), "");
 }
 
 }  // namespace

@@ -53,6 +53,30 @@ TEST(MavlinkEncoder, WritesTheVectorsOfRadioChannels) {
     EXPECT_EQ(first_message(settings, frame), from_hex(kRadioFailsafe));
 }
 
+/// The axis z of MANUAL_CONTROL for a pulse of channel 3.
+int throttle_of(double pulse, MavlinkThrottle throttle) {
+    const Bytes bytes =
+        first_message({.message = MavlinkChannels::manual_control, .throttle = throttle},
+                      frame_of_microseconds({1500, 1500, pulse, 1500}));
+    return static_cast<std::int16_t>(bytes.at(14) | bytes.at(15) << 8);
+}
+
+TEST(MavlinkEncoder, WritesACentredThrottleForVehiclesThatReverse) {
+    // ArduPilot's Rover maps z -1000 to 1000 to the ends of its throttle channel.
+    for (const auto& [pulse, z] : {std::pair{1000, -1000},
+                                   std::pair{1250, -500},
+                                   {1500, 0},
+                                   {1750, 500},
+                                   {2000, 1000},
+                                   {900, -1000},
+                                   {2100, 1000}}) {
+        EXPECT_EQ(throttle_of(pulse, MavlinkThrottle::centred), z) << pulse;
+    }
+    for (const auto& [pulse, z] : {std::pair{1000, 0}, {1500, 500}, {2000, 1000}, {900, 0}}) {
+        EXPECT_EQ(throttle_of(pulse, MavlinkThrottle::zero_based), z) << pulse;
+    }
+}
+
 TEST(MavlinkEncoder, WritesTheVectorOfManualControl) {
     const ChannelFrame frame =
         frame_of_microseconds({1000, 1000, 1500, 1500, 2000, 1501, 1500, 1000});
@@ -66,6 +90,14 @@ TEST(MavlinkEncoder, MarksALostFrameAsOutdated) {
     EXPECT_EQ(first_message({.channels = 1}, frame).at(10 + 4), 2);
     EXPECT_TRUE(MavlinkEncoder({}).marks_frame_lost());
     EXPECT_FALSE(MavlinkEncoder({.message = MavlinkChannels::manual_control}).marks_frame_lost());
+}
+
+TEST(MavlinkEncoder, MarksHeldValuesAsFailsafeToo) {
+    // ArduPilot's AP_RCProtocol_MAVLinkRadio looks at the failsafe flag only.
+    ChannelFrame frame = frame_of_microseconds({1500});
+    frame.frame_lost = true;
+    frame.held = true;
+    EXPECT_EQ(first_message({.channels = 1}, frame).at(10 + 4), 3);
 }
 
 TEST(MavlinkEncoder, SendsAHeartbeatBehindTheFirstFrameAndThenEverySecond) {
@@ -111,7 +143,9 @@ TEST(MavlinkEncoder, SaysNothingInSilenceNotEvenAHeartbeat) {
 }
 
 TEST(MavlinkEncoder, GivesTheChannelsBackTenTimesAfterEachLoss) {
-    MavlinkEncoder encoder({.message = MavlinkChannels::rc_channels_override, .releases = true});
+    MavlinkEncoder encoder(
+        {.message = MavlinkChannels::rc_channels_override, .channels = 18, .releases = true});
+    EXPECT_EQ(encoder.farewells(), 10);
     EXPECT_EQ(silence(encoder), Bytes{});
     for (int loss = 0; loss < 2; ++loss) {
         encoded(encoder, frame_of_microseconds(kSixteenPulses), kStart);

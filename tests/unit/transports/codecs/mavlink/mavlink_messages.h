@@ -74,9 +74,13 @@ inline Bytes message_2(std::uint32_t id, std::uint8_t crc_extra, const Bytes& pa
     return frame;
 }
 
-/// HEARTBEAT of a copter with ArduPilot.
-inline Bytes heartbeat_message(const MessageHead& head = {}) {
-    return message_2(0, 50, from_hex("00000000 02 03 51 04 03"), head);
+/// HEARTBEAT of a copter with ArduPilot, or of another MAV_TYPE and MAV_AUTOPILOT.
+inline Bytes heartbeat_message(const MessageHead& head = {}, std::uint8_t vehicle = 2,
+                               std::uint8_t autopilot = 3) {
+    Bytes payload = from_hex("00000000 02 03 51 04 03");
+    payload[4] = vehicle;
+    payload[5] = autopilot;
+    return message_2(0, 50, payload, head);
 }
 
 /// RC_CHANNELS of an autopilot with these pulses, in whole microseconds.

@@ -41,7 +41,8 @@ TEST(MavlinkProtocol, TakesEveryMessageWithItsKeys) {
     EXPECT_EQ(to_autopilot("message = \"rc_channels_override\"\nversion = 1\nchannels = 8\n"
                            "on_loss = \"release\"\nsystem = 254\ncomponent = 68\ntarget = 2\n"),
               Lines{});
-    EXPECT_EQ(to_autopilot("message = \"manual_control\"\nbuttons = 14\n"), Lines{});
+    EXPECT_EQ(to_autopilot("message = \"manual_control\"\nbuttons = 14\nthrottle = \"centred\"\n"),
+              Lines{});
     EXPECT_EQ(from_autopilot("message = \"rc_channels\"\nsystem = 1\n"), Lines{});
     EXPECT_EQ(from_autopilot("message = \"manual_control\"\nbuttons = 3\ntarget = 7\n"), Lines{});
 }
@@ -62,6 +63,48 @@ TEST(MavlinkProtocol, SaysWhatAMessageCannotDo) {
     EXPECT_EQ(from_autopilot("buttons = 4\n"),
               Lines{"t.toml:4:11: \"buttons\" has no effect without message = "
                     "\"manual_control\"; leave it out"});
+    EXPECT_EQ(to_autopilot("throttle = \"centred\"\n"),
+              Lines{"t.toml:7:12: \"throttle\" has no effect without message = "
+                    "\"manual_control\"; leave it out"});
+}
+
+/// What `check` warns of in an output or input with manual_control.
+Lines doubts(const std::string& throttle, SettingScope scope = SettingScope::output) {
+    SettingValues settings;
+    settings.set("message", std::string("manual_control"));
+    if (!throttle.empty()) {
+        settings.set("throttle", throttle);
+    }
+    Lines texts;
+    for (const SettingMistake& doubt : kMavlinkProtocol.warnings(settings, scope)) {
+        texts.push_back(doubt.text);
+    }
+    return texts;
+}
+
+TEST(MavlinkProtocol, AsksHowTheThrottleOfTheVehicleCounts) {
+    EXPECT_EQ(doubts(""),
+              Lines{"\"manual_control\" without \"throttle\": on a rover or boat with ArduPilot a "
+                    "centred stick would be half throttle, and reverse could not be reached; add "
+                    "throttle = \"centred\" for such a vehicle, throttle = \"zero based\" for all "
+                    "others"});
+    EXPECT_EQ(doubts("centred"), Lines{});
+    EXPECT_EQ(doubts("zero based"), Lines{});
+    EXPECT_EQ(doubts("", SettingScope::input), Lines{});
+    EXPECT_EQ(kMavlinkProtocol.warnings({}, SettingScope::output).size(), 0U);
+}
+
+TEST(MavlinkProtocol, WantsAWrittenPresetOfAThrottleThatTheDefaultWouldOpen) {
+    const std::string manual = "message = \"manual_control\"\n";
+    const auto with_presets = [&](const std::string& lines, const std::string& preset) {
+        return to_autopilot(manual + lines + "[pipeline.main.failsafe]\naction = \"preset\"\n" +
+                            preset);
+    };
+    const Lines refused = with_presets("throttle = \"zero based\"\n", "");
+    ASSERT_EQ(refused.size(), 1U);
+    EXPECT_NE(refused[0].find("the preset of channel 3 is not written"), std::string::npos);
+    EXPECT_EQ(with_presets("throttle = \"zero based\"\n", "preset = { 3 = 1000 }\n"), Lines{});
+    EXPECT_EQ(with_presets("throttle = \"centred\"\n", ""), Lines{});
 }
 
 TEST(MavlinkProtocol, SendsNoRcChannelsWhichOnlyAutopilotsSend) {

@@ -129,6 +129,35 @@ TEST(MavlinkTelemetry, AddsTheCellsOfTheFirstBattery) {
     EXPECT_TRUE(read(reader, message_2(147, 154, second)).empty());
 }
 
+/// BATTERY_STATUS with these words for cells 1 to 10 and 11 to 14.
+double voltage_of(const std::vector<unsigned>& first, const std::vector<unsigned>& more) {
+    Bytes payload(54);
+    const auto put = [&](std::size_t at, unsigned word) {
+        payload[at] = static_cast<std::uint8_t>(word);
+        payload[at + 1] = static_cast<std::uint8_t>(word >> 8U);
+    };
+    for (std::size_t cell = 0; cell < 10; ++cell) {
+        put(10 + 2 * cell, cell < first.size() ? first[cell] : 65535);
+    }
+    for (std::size_t cell = 0; cell < more.size(); ++cell) {
+        put(41 + 2 * cell, more[cell]);
+    }
+    return numbers_of(message_2(147, 154, payload)).at("battery.voltage");
+}
+
+TEST(MavlinkTelemetry, AddsCells11To14) {
+    const std::vector<unsigned> ten(10, 4200);
+    EXPECT_NEAR(voltage_of(ten, {}), 42.0, 1e-9);
+    EXPECT_NEAR(voltage_of(ten, {4200}), 46.2, 1e-9);
+    EXPECT_NEAR(voltage_of(ten, {4200, 4200}), 50.4, 1e-9);
+    EXPECT_NEAR(voltage_of(ten, {4200, 4200, 4200, 4200}), 58.8, 1e-9);
+    // A cell that is not there is 0; ArduPilot writes 65535 there, as for the first ten.
+    EXPECT_NEAR(voltage_of(ten, {4200, 65535, 65535, 65535}), 46.2, 1e-9);
+    EXPECT_NEAR(voltage_of({12600}, {}), 12.6, 1e-9);
+    EXPECT_NEAR(voltage_of({65534, 4466}, {}), 70.0, 1e-9);
+    EXPECT_EQ(voltage_of({}, {}), kNotAvailable);
+}
+
 TEST(MavlinkTelemetry, KnowsWhichNumbersOfABatteryAreUnknown) {
     const Bytes payload = from_hex(
         "ffffffff ffffffff ff7f ffffffffffffffffffffffffffffffffffffffff"
@@ -146,6 +175,21 @@ TEST(MavlinkTelemetry, ReadsTheRadioWhoeverItIs) {
                  {"radio.remote_rssi", 180},
                  {"radio.noise", 50},
                  {"radio.remote_noise", kNotAvailable}});
+}
+
+TEST(MavlinkTelemetry, KeepsToOneRadio) {
+    MavlinkTelemetryReader reader;
+    const auto from = [&](std::uint8_t component, Duration at) {
+        const Bytes bytes = message_2(109, 185, from_hex("0000 0000 c8 b4 64 32 ff"),
+                                      {.system = 51, .component = component});
+        return read(reader, bytes, Instant{} + at).size();
+    };
+    EXPECT_EQ(from(68, 0ms), 1U);
+    EXPECT_EQ(from(69, 500ms), 0U);
+    EXPECT_EQ(from(68, 900ms), 1U);
+    EXPECT_EQ(from(69, 1900ms), 1U);
+    // Whose autopilot is heard does not depend on the radio.
+    EXPECT_EQ(read(reader, message_2(74, 20, Bytes(20, 1)), Instant{} + 1901ms).size(), 1U);
 }
 
 TEST(MavlinkTelemetry, KeepsToTheAutopilotOfTheFirstSystemUntilItIsSilentForASecond) {

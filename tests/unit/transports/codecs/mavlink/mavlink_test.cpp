@@ -1,7 +1,9 @@
 #include "transports/codecs/mavlink/mavlink.h"
 
+#include <array>
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -111,28 +113,66 @@ TEST(MavlinkDecoder, ReadsManualControlWithPitchTheOtherWay) {
 }
 
 TEST(MavlinkDecoder, ReadsNoChannelFromAnAxisThatIsNotValid) {
-    // INT16_MAX, -1001 and, of the throttle, anything below 0.
-    const Bytes payload = from_hex("ff7f 17fc ffff e903 0000 01");
-    const auto frames = read(message_2(69, 243, payload));
-    ASSERT_EQ(frames.size(), 1U);
-    EXPECT_FALSE(frames[0].channels.has_any());
+    // INT16_MAX, -1001, 1001 and -1001.
+    const Bytes payload = from_hex("ff7f 17fc e903 17fc 0000 01");
+    for (const auto throttle : {MavlinkThrottle::zero_based, MavlinkThrottle::centred}) {
+        const auto frames = read(message_2(69, 243, payload), {.throttle = throttle});
+        ASSERT_EQ(frames.size(), 1U);
+        EXPECT_FALSE(frames[0].channels.has_any());
+    }
+}
+
+/// The pulse of channel 3 of MANUAL_CONTROL with this z.
+double throttle_of(int z, MavlinkThrottle throttle) {
+    Bytes payload = from_hex("0000 0000 0000 0000 0000 01");
+    payload[4] = static_cast<std::uint8_t>(z);
+    payload[5] = static_cast<std::uint8_t>(z >> 8);
+    return read(message_2(69, 243, payload), {.throttle = throttle})
+        .at(0)
+        .channels.channel(2)
+        .value()
+        .microseconds();
+}
+
+TEST(MavlinkDecoder, ReadsANegativeThrottleAsReverseOrAsStandstill) {
+    for (int z = -1000; z <= 1000; ++z) {
+        ASSERT_EQ(throttle_of(z, MavlinkThrottle::centred), 1500 + z / 2.0);
+        ASSERT_EQ(throttle_of(z, MavlinkThrottle::zero_based), z < 0 ? 1000 : 1000 + z);
+    }
+}
+
+/// SYS_STATUS that says whether a receiver is enabled and healthy.
+/// MAV_SYS_STATUS_SENSOR_RC_RECEIVER is bit 16 of present, enabled and healthy.
+Bytes status(std::uint8_t system, bool enabled, bool healthy, std::uint8_t component = 1) {
+    Bytes payload(31);
+    payload[2] = 1;
+    payload[6] = enabled ? 1 : 0;
+    payload[10] = healthy ? 1 : 0;
+    payload[30] = 0xFF;
+    return message_2(1, 124, payload, {.system = system, .component = component});
+}
+
+/// Whether RC_CHANNELS of system 1 says failsafe after another message.
+bool failsafe_after(MavlinkDecoder& decoder, const Bytes& message) {
+    feed(decoder, message);
+    return feed(decoder, from_hex(kRcChannelsOfAnAutopilot)).at(0).channels.failsafe;
+}
+
+TEST(MavlinkDecoder, TakesTheReceiversHealthFromSysStatusOfTheAutopilotOnly) {
+    // 154 is a gimbal, 191 a computer aboard; they know of no receiver.
+    for (const std::uint8_t component : std::to_array<std::uint8_t>({0, 2, 154, 191, 255})) {
+        MavlinkDecoder decoder({});
+        EXPECT_FALSE(failsafe_after(decoder, status(1, true, false, component))) << component;
+        EXPECT_TRUE(failsafe_after(decoder, status(1, true, false)));
+        EXPECT_TRUE(failsafe_after(decoder, status(1, false, false, component))) << component;
+        EXPECT_TRUE(failsafe_after(decoder, status(1, true, true, component))) << component;
+        EXPECT_FALSE(failsafe_after(decoder, status(1, true, true)));
+    }
 }
 
 TEST(MavlinkDecoder, TakesTheReceiversHealthFromSysStatusOfTheSameSystem) {
-    // MAV_SYS_STATUS_SENSOR_RC_RECEIVER is bit 16 of present, enabled and healthy.
-    const auto status = [](std::uint8_t system, bool enabled, bool healthy) {
-        Bytes payload(31);
-        payload[2] = 1;
-        payload[6] = enabled ? 1 : 0;
-        payload[10] = healthy ? 1 : 0;
-        payload[30] = 0xFF;
-        return message_2(1, 124, payload, {.system = system});
-    };
     MavlinkDecoder decoder({});
-    const auto failsafe = [&decoder](const Bytes& before) {
-        feed(decoder, before);
-        return feed(decoder, from_hex(kRcChannelsOfAnAutopilot)).at(0).channels.failsafe;
-    };
+    const auto failsafe = [&](const Bytes& before) { return failsafe_after(decoder, before); };
     EXPECT_FALSE(failsafe({}));
     EXPECT_FALSE(failsafe(status(1, true, true)));
     EXPECT_TRUE(failsafe(status(1, true, false)));
@@ -165,6 +205,26 @@ TEST(MavlinkDecoder, KeepsToTheFirstSenderUntilItIsSilentForASecond) {
     EXPECT_EQ(count_of(decoder, "other_sender"), 3U);
     EXPECT_EQ(feed(decoder, second, kOneRead, Instant{} + 1500ms).size(), 1U);
     EXPECT_EQ(feed(decoder, first, kOneRead, Instant{} + 1501ms).size(), 0U);
+}
+
+TEST(MavlinkDecoder, TakesTwoComponentsOfASystemForTwoSenders) {
+    // Two ground stations with the usual system id.
+    const Bytes one = message_2(70, 124, Bytes(18, 1), {.system = 255, .component = 190});
+    const Bytes other = message_2(70, 124, Bytes(18, 1), {.system = 255, .component = 191});
+    for (const std::optional<std::uint8_t> system : {std::optional<std::uint8_t>(), {255}}) {
+        MavlinkDecoder decoder({.system = system, .target = 1});
+        EXPECT_EQ(feed(decoder, one, kOneRead, Instant{}).size(), 1U);
+        EXPECT_EQ(feed(decoder, other, kOneRead, Instant{} + 20ms).size(), 0U);
+        EXPECT_EQ(count_of(decoder, "other_sender"), 1U);
+        EXPECT_EQ(feed(decoder, one, kOneRead, Instant{} + 40ms).size(), 1U);
+    }
+}
+
+TEST(MavlinkDecoder, TakesRcChannelsOfTheAutopilotOnly) {
+    MavlinkDecoder decoder({});
+    EXPECT_EQ(feed(decoder, rc_channels_message(kSixteenPulses, {.component = 154})).size(), 0U);
+    EXPECT_EQ(count_of(decoder, "other_sender"), 1U);
+    EXPECT_EQ(feed(decoder, rc_channels_message(kSixteenPulses)).size(), 1U);
 }
 
 TEST(MavlinkDecoder, TakesOnlyTheSystemAndTheMessageThatWereConfigured) {

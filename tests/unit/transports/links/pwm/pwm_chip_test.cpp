@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -15,6 +16,7 @@
 #include <gtest/gtest.h>
 
 #include "app/pwm/pwm.h"
+#include "pipelines/realtime/clock.h"
 #include "tests/support/temporary_folder.h"
 #include "transports/links/pwm/pwm_link.h"
 #include "transports/links/unique_fd.h"
@@ -180,7 +182,7 @@ bool comes(const PwmFolder& folder, std::size_t output, const std::string& file,
 TEST(PwmLink, HandsTheNewestPulsesOnAndSwitchesOffAtItsEnd) {
     PwmFolder folder;
     folder.add("pwmchip0", "x", 4);
-    auto link = PwmLink::open("pwmchip0", 10ms, folder.root());
+    auto link = PwmLink::open("pwmchip0", 10ms, {.now = monotonic_now}, folder.root());
     ASSERT_TRUE(link) << link.error();
     // Output 1: 1,500,000 ns; output 3: 1,000,000 ns.
     const std::array<std::uint8_t, 10> frame{1, 0x60, 0xE3, 0x16, 0x00, 3, 0x40, 0x42, 0x0F, 0x00};
@@ -217,17 +219,50 @@ TEST(PwmLink, SentNothingWhileTheBusOfTheChipHangs) {
     const fs::path duty = folder.chips() / "pwmchip0/pwm0/duty_cycle";
     fs::remove(duty);
     ASSERT_EQ(::mkfifo(duty.c_str(), 0600), 0);
-    auto link = PwmLink::open("pwmchip0", 20ms, folder.root());
+    auto link = PwmLink::open("pwmchip0", 20ms, {.now = monotonic_now}, folder.root());
     ASSERT_TRUE(link) << link.error();
     EXPECT_TRUE(says(**link, WriteStatus::unavailable));
     const UniqueFd reader(::open(duty.c_str(), O_RDONLY | O_NONBLOCK));
     EXPECT_TRUE(says(**link, WriteStatus::written));
 }
 
+/// The thread was stopped between a request and its work: as after SIGSTOP and SIGCONT.
+TEST(PwmLink, HandsNoPulseOnThatIsOlderThanItsPeriodButSwitchesOff) {
+    PwmFolder folder;
+    folder.add("pwmchip0", "x", 2);
+    static std::atomic<Duration> elapsed;
+    elapsed = 5s;
+    auto link = PwmLink::open("pwmchip0", 20ms, {.now = [] { return Instant(elapsed.load()); }},
+                              folder.root());
+    ASSERT_TRUE(link) << link.error();
+    const auto write = [&](std::span<const std::uint8_t> frame, Duration made) {
+        return (*link)->write_asked(frame, {.made = Instant(made), .valid_for = 20ms});
+    };
+    EXPECT_EQ(write(kCentre, 5s), WriteStatus::written);
+    EXPECT_TRUE(comes(folder, 0, "duty_cycle", "1500000"));
+
+    const std::array<std::uint8_t, 5> high{0, 0x80, 0x84, 0x1E, 0x00};  // 2,000,000 ns
+    elapsed = 10s;
+    write(high, 5s);
+    WriteStatus told = WriteStatus::written;
+    for (int i = 0; i < 1000 && told == WriteStatus::written; ++i) {
+        std::this_thread::sleep_for(10ms);
+        told = write(high, 5s);
+    }
+    EXPECT_EQ(told, WriteStatus::busy) << "a counted drop";
+    EXPECT_EQ(folder.take("pwmchip0", 0, "duty_cycle"), "") << "nothing is written";
+
+    const std::array<std::uint8_t, 5> off{0, 0, 0, 0, 0};
+    write(off, 5s);
+    EXPECT_TRUE(comes(folder, 0, "enable", "0"));
+    write(high, 10s);
+    EXPECT_TRUE(comes(folder, 0, "duty_cycle", "2000000"));
+}
+
 TEST(PwmLink, IsLostWhenTheKernelShowsTheChipNoMore) {
     PwmFolder folder;
     folder.add("pwmchip0", "x", 2);
-    auto link = PwmLink::open("pwmchip0", 20ms, folder.root());
+    auto link = PwmLink::open("pwmchip0", 20ms, {.now = monotonic_now}, folder.root());
     ASSERT_TRUE(link) << link.error();
     fs::remove(folder.chips() / "pwmchip0/pwm0/duty_cycle");
     EXPECT_TRUE(says(**link, WriteStatus::unavailable)) << "one file is refused";
@@ -241,7 +276,7 @@ TEST(PwmLink, IsLostWhenItsDeviceWasRemovedThoughAnotherOneIsThereNow) {
     fs::create_directory(folder.root() / "dev");
     const fs::path device = folder.root() / "dev/pwmchip0";
     PwmFolder::write(device, "");
-    auto link = PwmLink::open("pwmchip0", 20ms, folder.root());
+    auto link = PwmLink::open("pwmchip0", 20ms, {.now = monotonic_now}, folder.root());
     ASSERT_TRUE(link) << link.error();
     EXPECT_TRUE(says(**link, WriteStatus::unavailable)) << "it takes no pulses";
     fs::remove(device);

@@ -234,7 +234,7 @@ TEST_F(SerialPortTest, WritesInTwoStepsAsInOne) {
     const auto port = open_port();
     ASSERT_NE(port, nullptr);
     EXPECT_EQ(port->ask(), WriteStatus::written);
-    EXPECT_EQ(port->write_asked(every_byte_value()), WriteStatus::written);
+    EXPECT_EQ(port->write_asked(every_byte_value(), {}), WriteStatus::written);
     EXPECT_EQ(receive(256), every_byte_value());
 }
 

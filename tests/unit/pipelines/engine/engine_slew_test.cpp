@@ -1,0 +1,164 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "tests/unit/pipelines/engine/engine_bench.h"
+
+/// A channel with a limited rate of change, in the frames of an output that writes every 10 ms.
+namespace tribus::test::serial::engine_slew_test {
+namespace {
+
+/// 100 us/s is 1 us in 10 ms: 1.6 raw steps.
+constexpr double kSlow = 100;
+constexpr int kSlowStep = 2;
+
+std::vector<ChannelRule> slow_first_channel() {
+    return {{.output = 0, .source = FromChannel{0}, .slew_us_per_second = kSlow}};
+}
+
+/// The largest raw step of channel 1 between two frames that were both written after `from`.
+int largest_step(const Bench& bench, Instant from, std::size_t output = 0) {
+    int largest = 0;
+    const std::vector<Seen>& seen = bench.seen(output);
+    for (std::size_t i = 1; i < seen.size(); ++i) {
+        const int step = std::abs(seen[i].frame.raw[0] - seen[i - 1].frame.raw[0]);
+        largest = seen[i - 1].at >= from ? std::max(largest, step) : largest;
+    }
+    return largest;
+}
+
+/// SBUS frames, which have all channels.
+void stick(Bench& bench, std::size_t input, Instant from, Instant until, int first,
+           bool failsafe = false) {
+    for (Instant when = from; when < until; when += 8ms) {
+        bench.sbus(input, when, us(first), failsafe, failsafe);
+    }
+}
+
+/// The stick goes from 1500 to 2000 us, the link is lost for so long, and comes back.
+void lose_for(Bench& bench, Duration loss) {
+    stick(bench, 0, at(1ms), at(1s), 1500);
+    stick(bench, 0, at(1s), at(1500ms), 2000);
+    stick(bench, 0, at(1500ms) + loss, at(2500ms) + loss, 2000);
+    bench.said(at(2500ms) + loss);
+}
+
+TEST(SlewOfAnOutput, does_not_make_up_for_the_time_in_which_values_were_held) {
+    OutputSettings output = sbus_output({0}, {.hold = 10s});
+    output.channels = slow_first_channel();
+    Bench bench(list(sbus_input()), list(std::move(output)));
+    lose_for(bench, 5s);
+    EXPECT_LE(largest_step(bench, at(1s)), kSlowStep);
+    EXPECT_NEAR(bench.said(at(7500ms)).raw[0], raw_of(1659), 4) << "it goes on where it was held";
+}
+
+TEST(SlewOfAnOutput, moves_no_faster_in_the_first_frame_after_silence_than_since_the_last_one) {
+    OutputSettings output =
+        sbus_output({0}, {.hold = 0ms, .action = FailsafeAction::silence, .recover = 0ms});
+    output.channels = slow_first_channel();
+    Bench bench(list(sbus_input()), list(std::move(output)));
+    lose_for(bench, 300ms);
+    const auto first =
+        std::ranges::find_if(bench.seen(), [](const Seen& seen) { return seen.at > at(1700ms); });
+    const double silent_s = std::chrono::duration<double>(first->at - (first - 1)->at).count();
+    EXPECT_GT(silent_s, 0.15);
+    EXPECT_NEAR(first->frame.raw[0] - (first - 1)->frame.raw[0], kSlow * silent_s * 8 / 5, 1);
+}
+
+TEST(SlewOfAnInput, does_not_make_up_for_the_time_of_a_loss) {
+    InputSettings input = sbus_input();
+    input.channels = slow_first_channel();
+    Bench bench(list(std::move(input)), list(sbus_output({0}, {.hold = 10s})));
+    lose_for(bench, 5s);
+    EXPECT_LE(largest_step(bench, at(1s)), kSlowStep);
+    EXPECT_NEAR(bench.engine().inputs()[0].control().channel_or(0, {}).microseconds(), 1659, 2);
+}
+
+/// Frames that say failsafe are no loss of bytes, but the output holds values all the same.
+TEST(SlewOfAnInput, rests_while_its_frames_say_failsafe) {
+    InputSettings input = sbus_input();
+    input.channels = slow_first_channel();
+    Bench bench(list(std::move(input)), list(sbus_output({0}, {.hold = 10s})));
+    stick(bench, 0, at(1ms), at(1s), 1500);
+    stick(bench, 0, at(1s), at(1500ms), 2000);
+    stick(bench, 0, at(1500ms), at(5s), 2000, true);
+    stick(bench, 0, at(5s), at(6s), 2000);
+    EXPECT_LE(largest_step(bench, at(1s)), kSlowStep);
+}
+
+/// Frames come every 40 ms, the output writes every 10 ms.
+TEST(SlewOfAnInput, is_as_even_in_the_frames_of_a_faster_output) {
+    InputSettings input = sbus_input();
+    input.channels = slow_first_channel();
+    Bench bench(list(std::move(input)), list(sbus_output({0})));
+    for (Instant when = at(1ms); when < at(6s); when += 40ms) {
+        bench.sbus(0, when, us(when < at(1s) ? 1500 : 2000), false, false);
+    }
+    EXPECT_EQ(bench.said(at(990ms)).raw[0], raw_of(1500));
+    EXPECT_NEAR(bench.said(at(5s)).raw[0], raw_of(1900), 8);
+    EXPECT_LE(largest_step(bench, at(900ms)), kSlowStep);
+}
+
+TEST(SlewOfAnInput, is_kept_by_an_output_that_lost_the_input_before_another_output_did) {
+    InputSettings input = sbus_input();
+    input.channels = slow_first_channel();
+    OutputSettings patient = sbus_output({0});
+    patient.schedule.period = 50ms;
+    Bench bench(list(std::move(input)), list(sbus_output({0}), std::move(patient)));
+    for (Instant when = at(1ms); when < at(6s); when += 90ms) {
+        bench.sbus(0, when, us(when < at(1s) ? 1500 : 2000), false, false);
+    }
+    bench.said(at(6s));
+    EXPECT_LE(largest_step(bench, at(900ms), 0), kSlowStep);
+    EXPECT_LE(largest_step(bench, at(900ms), 1), 5 * kSlowStep);
+}
+
+TEST(SlewOfAnInput, does_not_slow_another_input) {
+    InputSettings slow = sbus_input();
+    slow.channels = slow_first_channel();
+    Bench bench(list(std::move(slow), sbus_input()), list(sbus_output({0, 1})));
+    stick(bench, 0, at(1ms), at(500ms), 1000);
+    stick(bench, 1, at(2ms), at(1s), 1800);
+    EXPECT_EQ(bench.said(at(1s)).raw[0], raw_of(1800));
+    stick(bench, 1, at(1001ms), at(1100ms), 1200);
+    EXPECT_EQ(bench.said(at(1100ms)).raw[0], raw_of(1200));
+}
+
+TEST(GlideAfterAChangeover, does_not_make_up_for_the_time_in_which_values_were_held) {
+    for (const auto& [hold, loss] :
+         {std::pair(Duration(300ms), Duration(350ms)), std::pair(Duration(10s), Duration(5s))}) {
+        OutputSettings output = sbus_output({0, 1}, {.hold = hold});
+        output.selection.changeover_us_per_second = kSlow;
+        Bench bench(list(sbus_input(), sbus_input()), list(std::move(output)));
+        stick(bench, 0, at(1ms), at(1500ms), 1000);
+        stick(bench, 1, at(3ms), at(2500ms), 2000);
+        stick(bench, 1, at(2500ms) + loss, at(4500ms) + loss, 2000);
+        bench.said(at(4500ms) + loss);
+        EXPECT_LE(largest_step(bench, at(1s)), kSlowStep) << loss / 1ms;
+    }
+}
+
+TEST(FailsafeSlew, does_not_make_up_on_its_way_back_for_the_time_in_which_values_were_held) {
+    Bench bench(list(sbus_input()), list(sbus_output({0}, {.slew_us_per_second = kSlow})));
+    stick(bench, 0, at(1ms), at(1200ms), 1900);
+    stick(bench, 0, at(6s), at(7s), 1900);
+    stick(bench, 0, at(7350ms), at(9s), 1900);
+    bench.said(at(9s));
+    EXPECT_LE(largest_step(bench, at(600ms)), kSlowStep);
+}
+
+/// A changeover without a limit of its own does not end the one that leads back from the presets.
+TEST(FailsafeSlew, goes_on_over_a_changeover_on_its_way_back) {
+    Bench bench(list(sbus_input(), sbus_input()),
+                list(sbus_output({0, 1}, {.slew_us_per_second = kSlow})));
+    bench.said(at(1s));
+    stick(bench, 0, at(1001ms), at(2s), 1900);
+    stick(bench, 1, at(1003ms), at(4s), 2000);
+    bench.said(at(4s));
+    EXPECT_EQ(bench.engine().outputs()[0].counts().changeovers, 1U);
+    EXPECT_LE(largest_step(bench, at(0ms)), kSlowStep);
+}
+
+}  // namespace
+}  // namespace tribus::test::serial::engine_slew_test

@@ -1,0 +1,111 @@
+#include "pipelines/realtime/port_waits.h"
+
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+namespace tribus::test::port_waits_test {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Both descriptors are always ready.
+class ReadyLink final : public Link {
+  public:
+    int descriptor() const override { return first_.get(); }
+    int second_descriptor() const override { return second_.get(); }
+
+  private:
+    UniqueFd first_{::eventfd(1, EFD_NONBLOCK | EFD_CLOEXEC)};
+    UniqueFd second_{::eventfd(1, EFD_NONBLOCK | EFD_CLOEXEC)};
+};
+
+class PortWaitsTest : public testing::Test {
+  protected:
+    PortWaitsTest() { EXPECT_TRUE(waits_.prepare(2)); }
+    std::vector<std::size_t> ready(PortWaits& waits) {
+        std::array<PortWaits::Ready, 8> ports{};
+        const PortWaits::Wake wake = waits.wait(0ms, ports);
+        std::vector<std::size_t> indices;
+        for (std::size_t i = 0; i < wake.ready; ++i) {
+            indices.push_back(ports[i].port);
+        }
+        return indices;
+    }
+
+    using Ports = std::vector<std::size_t>;
+    PortWaits waits_;
+    ReadyLink link_;
+};
+
+TEST_F(PortWaitsTest, name_the_port_of_both_descriptors) {
+    ASSERT_TRUE(waits_.watch(link_, 1, true));
+    EXPECT_EQ(ready(waits_), (Ports{1, 1}));
+}
+
+TEST_F(PortWaitsTest, name_nothing_after_the_end_of_the_watch) {
+    const auto watch = waits_.watch(link_, 1, true);
+    ASSERT_TRUE(watch);
+    waits_.end(*watch, link_);
+    EXPECT_EQ(ready(waits_), Ports{});
+}
+
+TEST_F(PortWaitsTest, name_no_port_for_a_watch_whose_place_belongs_to_another) {
+    const auto watch = waits_.watch(link_, 0, true);
+    ASSERT_TRUE(watch);
+    // The kernel still watches `link_`, as if an end had been forgotten.
+    const ReadyLink closed;
+    waits_.end(*watch, closed);
+    const ReadyLink other;
+    ASSERT_TRUE(waits_.watch(other, 1, true));
+    EXPECT_EQ(ready(waits_), (Ports{1, 1}));
+}
+
+TEST_F(PortWaitsTest, go_on_in_the_next_loop_with_another_index) {
+    const auto watch = waits_.watch(link_, 1, true);
+    ASSERT_TRUE(watch);
+    PortWaits next;
+    ASSERT_TRUE(next.prepare(1));
+    next.make_room(waits_);
+    next.continue_from(waits_);
+    next.set_port(*watch, 0);
+    EXPECT_EQ(ready(next), (Ports{0, 0}));
+}
+
+TEST_F(PortWaitsTest, have_room_for_the_links_of_any_number_of_successors) {
+    auto waits = std::make_unique<PortWaits>();
+    ASSERT_TRUE(waits->prepare(3));
+    for (int reload = 0; reload < 50; ++reload) {
+        const std::array<ReadyLink, 3> links;
+        std::vector<PortWaits::Watch> watches;
+        for (std::size_t port = 0; port < links.size(); ++port) {
+            const auto watch = waits->watch(links[port], port, true);
+            ASSERT_TRUE(watch) << "reload " << reload;
+            watches.push_back(*watch);
+        }
+        auto next = std::make_unique<PortWaits>();
+        ASSERT_TRUE(next->prepare(3));
+        next->make_room(*waits);
+        next->continue_from(*waits);
+        const std::array<ReadyLink, 3> more;
+        std::vector<PortWaits::Watch> fresh;
+        for (std::size_t port = 0; port < more.size(); ++port) {
+            const auto watch = next->watch(more[port], port, true);
+            ASSERT_TRUE(watch) << "beside those of the loop before, reload " << reload;
+            fresh.push_back(*watch);
+        }
+        for (std::size_t port = 0; port < links.size(); ++port) {
+            next->end(watches[port], links[port]);
+            next->end(fresh[port], more[port]);
+        }
+        waits = std::move(next);
+    }
+}
+
+}  // namespace
+}  // namespace tribus::test::port_waits_test
