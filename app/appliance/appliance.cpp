@@ -100,14 +100,23 @@ void Appliance::look_at_machine(Instant now, bool watches) {
     machine_.set(machine_watch_.look(), now);
 }
 
-std::vector<std::string> Appliance::open_epochs() {
-    std::vector<std::string> errors;
+void Appliance::open_files() {
+    if (std::exchange(files_opened_, true)) {
+        return;
+    }
     for (const Epoch& epoch : epochs_) {
         if (const auto opened = epoch.file->open(epoch.way); !opened) {
-            errors.push_back(fmt::format("{} epoch: {}", epoch.place, opened.error()));
+            file_errors_.push_back(fmt::format("{} epoch: {}", epoch.place, opened.error()));
         }
     }
-    return errors;
+}
+
+std::vector<std::shared_ptr<EpochFile>> Appliance::epoch_files() const {
+    std::vector<std::shared_ptr<EpochFile>> files;
+    for (const Epoch& epoch : epochs_) {
+        files.push_back(epoch.file);
+    }
+    return files;
 }
 
 void Appliance::look_at_epochs() {
@@ -117,7 +126,8 @@ void Appliance::look_at_epochs() {
 }
 
 std::vector<std::string> Appliance::open_devices(MissingDevices missing) {
-    std::vector<std::string> errors = open_epochs();
+    open_files();
+    std::vector<std::string> errors = file_errors_;
     std::vector<PortWiring> wiring;
     std::vector<std::unique_ptr<Link>> links;
     // Lines come first: one may select an inverter, which must be set before its port opens.
@@ -199,17 +209,30 @@ tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::st
 }
 
 tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::start(
-    std::unique_ptr<Appliance> appliance, MissingDevices missing) {
+    std::unique_ptr<Appliance> built, MissingDevices missing) {
+    std::unique_ptr<FlightRecorder> none;
+    return start(std::move(built), missing, none, DiskPatience::waits);
+}
+
+tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::start(
+    std::unique_ptr<Appliance> built, MissingDevices missing,
+    std::unique_ptr<FlightRecorder>& recorder) {
+    return start(std::move(built), missing, recorder, DiskPatience::does_not_wait);
+}
+
+tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::start(
+    std::unique_ptr<Appliance> appliance, MissingDevices missing,
+    std::unique_ptr<FlightRecorder>& recorder, DiskPatience patience) {
     handle_sigcont();
-    const auto recorder = appliance->make_recorder(nullptr);
+    const auto made = appliance->make_recorder(recorder, patience);
     std::vector<std::string> errors = appliance->open_devices(missing);
-    if (!recorder) {
-        errors.push_back(recorder.error());
+    if (!made) {
+        errors.push_back(made.error());
     }
     if (!errors.empty()) {
         return tl::unexpected(std::move(errors));
     }
-    appliance->update_recorder();
+    appliance->record_ports(recorder.get());
     // Must precede `prepare`, where the data thread locks all memory, including the stacks.
     if (appliance->gpio_thread_) {
         if (auto started = appliance->gpio_thread_->start(); !started) {
@@ -229,6 +252,9 @@ tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::st
         return tl::unexpected(std::move(*missing_realtime));
     }
     appliance->missing_realtime_ = std::move(*missing_realtime);
+    if (appliance->configuration_.recorder) {
+        appliance->recorder_ = std::move(recorder);
+    }
     appliance->thread_->run();
     return appliance;
 }

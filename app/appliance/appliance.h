@@ -46,15 +46,31 @@ class Appliance {
         std::unique_ptr<Appliance> built, MissingDevices missing = MissingDevices::refuse);
     static tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> start(
         Configuration configuration, MissingDevices missing = MissingDevices::refuse);
+    /// The same after another appliance, whose `recorder` may be there: if the configuration has
+    /// one, it goes on. Does not wait for its disk.
+    static tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> start(
+        std::unique_ptr<Appliance> built, MissingDevices missing,
+        std::unique_ptr<FlightRecorder>& recorder);
+    /// Ends an appliance without its recorder, which it returns; null if it has none. Waits for no
+    /// disk.
+    static std::unique_ptr<FlightRecorder> stop(std::unique_ptr<Appliance> running);
+
+    /// Opens files of which it uses numbers, and waits for their disk. `start` and `succeed` do
+    /// that too, if it was not done before. Any thread.
+    void open_files();
+    /// While somebody holds them, they stay open.
+    std::vector<std::shared_ptr<EpochFile>> epoch_files() const;
 
     /// Replaces the running appliance by `next` between two frames. `next` comes from `build`.
     /// Everything new is made and opened first; if that fails, `running` goes on unchanged, and the
-    /// error has one line for each failure. On success `running` is null. Needs a `carry_over` of
+    /// error has one line for each failure. On success `running` is null. `recorder` is one that is
+    /// left over from a configuration before: `next` takes it, or leaves that of `running` there.
+    /// Waits for no disk, if `open_files` was called. Needs a `carry_over` of
     /// the two configurations that has no obstacles. `reopen_devices` opens serial devices that are
     /// missing already or get other line settings.
     static tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> succeed(
         std::unique_ptr<Appliance>& running, std::unique_ptr<Appliance> next,
-        const CarryOver& carry_over);
+        const CarryOver& carry_over, std::unique_ptr<FlightRecorder>& recorder);
 
     Appliance(const Appliance&) = delete;
     Appliance& operator=(const Appliance&) = delete;
@@ -153,8 +169,12 @@ class Appliance {
     std::vector<std::string> make_threads(std::vector<PortWiring> wiring,
                                           std::vector<std::unique_ptr<Link>> links,
                                           std::vector<std::unique_ptr<HeldLine>> lines);
-    tl::expected<void, std::string> make_recorder(Appliance* before);
-    void update_recorder();
+    static tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> start(
+        std::unique_ptr<Appliance> built, MissingDevices missing,
+        std::unique_ptr<FlightRecorder>& recorder, DiskPatience patience);
+    tl::expected<void, std::string> make_recorder(std::unique_ptr<FlightRecorder>& recorder,
+                                                  DiskPatience patience);
+    void record_ports(FlightRecorder* recorder);
     void tell_problem(std::size_t port, const std::string& problem,
                       std::vector<DeviceEvent>& events);
     void reopen_lines(std::vector<DeviceEvent>& events);
@@ -176,11 +196,12 @@ class Appliance {
         std::string place;  ///< `file:line:column: [output.NAME]`
     };
     static std::vector<Epoch> epochs_of(const Configuration& configuration);
-    std::vector<std::string> open_epochs();
 
     Configuration configuration_;
     /// Declared before `engine_`, which uses their numbers.
     std::vector<Epoch> epochs_;
+    bool files_opened_ = false;
+    std::vector<std::string> file_errors_;
     std::vector<PortPlan> plans_;
     std::vector<bool> missing_;
     /// Why a device that is there could not be opened.

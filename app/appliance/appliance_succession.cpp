@@ -81,12 +81,14 @@ void Appliance::retire_parts(const Leaving& leaving) {
 
 tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::succeed(
     std::unique_ptr<Appliance>& running, std::unique_ptr<Appliance> next,
-    const CarryOver& carry_over) {
-    if (auto recorder = next->make_recorder(running.get()); !recorder) {
-        return tl::unexpected(std::vector{recorder.error()});
+    const CarryOver& carry_over, std::unique_ptr<FlightRecorder>& left_over) {
+    std::unique_ptr<FlightRecorder>& recorder = running->recorder_ ? running->recorder_ : left_over;
+    if (auto made = next->make_recorder(recorder, DiskPatience::does_not_wait); !made) {
+        return tl::unexpected(std::vector{made.error()});
     }
-    if (auto errors = next->open_epochs(); !errors.empty()) {
-        return tl::unexpected(std::move(errors));
+    next->open_files();
+    if (!next->file_errors_.empty()) {
+        return tl::unexpected(next->file_errors_);
     }
     LoopCarry carry{.engine = carry_over.engine, .values = carry_over.values, .ports = {}};
     std::vector<std::unique_ptr<Link>> links;
@@ -117,10 +119,12 @@ tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::su
     next->missing_lines_ = running->missing_lines_;
     next->silent_looks_ = running->silent_looks_;
     next->missing_realtime_ = running->missing_realtime_;
-    if (next->configuration_.recorder && !next->recorder_) {
-        next->recorder_ = std::move(running->recorder_);
+    next->record_ports(recorder.get());
+    if (next->configuration_.recorder) {
+        next->recorder_ = std::move(recorder);
+    } else if (running->recorder_) {
+        left_over = std::move(running->recorder_);
     }
-    next->update_recorder();
     // Closes the devices that `next` did not take; `reopen_devices` can then open them.
     running.reset();
     return next;

@@ -67,7 +67,9 @@ void Daemon::show_successor(const std::vector<PortPlan>& ports_before,
 
 bool Daemon::start_or_log(std::unique_ptr<Appliance> built, Appliance::MissingDevices missing,
                           std::vector<std::string>& errors) {
-    auto appliance = Appliance::start(std::move(built), missing);
+    auto appliance = has_started_ ? Appliance::start(std::move(built), missing, left_over_)
+                                  : Appliance::start(std::move(built), missing);
+    has_started_ = true;
     if (!appliance) {
         errors = std::move(appliance.error());
         log_all(errors);
@@ -91,6 +93,13 @@ void Daemon::start(Configuration configuration) {
     show_started();
 }
 
+/// A recorder goes on in the next appliance, or finishes by itself: no output waits for a disk.
+void Daemon::stop() {
+    if (auto recorder = Appliance::stop(std::move(appliance_))) {
+        left_over_ = std::move(recorder);
+    }
+}
+
 /// For changes that need a stop. If devices of the new configuration cannot be opened, the old one
 /// starts again, even if one of its own devices is unplugged now.
 ReloadOutcome Daemon::take_with_a_stop(std::unique_ptr<Appliance> fresh,
@@ -99,7 +108,8 @@ ReloadOutcome Daemon::take_with_a_stop(std::unique_ptr<Appliance> fresh,
         log_warning("reload with a stop, outputs go into failsafe: {}", obstacle);
     }
     Configuration old = configuration();
-    appliance_.reset();
+    const EpochFiles old_files = appliance_->epoch_files();
+    stop();
     ReloadOutcome outcome;
     outcome.taken =
         start_or_log(std::move(fresh), Appliance::MissingDevices::refuse, outcome.lines);
@@ -119,7 +129,7 @@ ReloadOutcome Daemon::take_between_frames(std::unique_ptr<Appliance> fresh,
                                           const CarryOver& carry_over) {
     const std::string file = fresh->configuration().file;
     const std::vector<PortPlan> ports_before = appliance_->ports();
-    auto next = Appliance::succeed(appliance_, std::move(fresh), carry_over);
+    auto next = Appliance::succeed(appliance_, std::move(fresh), carry_over, left_over_);
     if (!next) {
         log_all(next.error());
         log_error("reload refused: {} cannot be set up; the old configuration runs on", file);
@@ -158,8 +168,9 @@ void Daemon::restart() {
     service_.reloading();
     log_info("restarting because another DroneCAN node asked for it");
     Configuration same = configuration();
+    const EpochFiles same_files = appliance_->epoch_files();
     appliance_->end();
-    appliance_.reset();
+    stop();
     std::vector<std::string> errors;
     start_or_log(Appliance::build(std::move(same)), Appliance::MissingDevices::wait_for, errors);
     show_started();
@@ -187,6 +198,9 @@ void Daemon::look(Instant now) {
     service_.look(*appliance_, now);
     appliance_->look_at_recorder(now);
     appliance_->look_at_epochs();
+    if (left_over_ && left_over_->finish(now, wall_time_now())) {
+        left_over_.reset();
+    }
     if (now >= drop_idle_code_at_ && idle_code_.drop_some()) {
         drop_idle_code_at_ = kNever;
     }

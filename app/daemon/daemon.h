@@ -83,8 +83,10 @@ class Daemon {
     void end();
 
   private:
+    using EpochFiles = std::vector<std::shared_ptr<EpochFile>>;
     struct Trial {
         Configuration before;
+        EpochFiles before_files;  ///< so that going back waits for no disk
         Instant end;
         std::uint64_t number = 0;
         bool of_draft = false;  ///< the file still holds the configuration before
@@ -97,7 +99,8 @@ class Daemon {
         Instant latest_end{};
         std::optional<Duration> trial;
         bool of_draft = false;
-        Configuration before;  ///< only for ChangeKind::back
+        Configuration before;     ///< only for ChangeKind::back
+        EpochFiles before_files;  ///< likewise
         std::unique_ptr<Preparation> preparation;
     };
 
@@ -115,6 +118,7 @@ class Daemon {
                                       const CarryOver& carry_over);
     void set_trial(std::optional<Trial> trial);
     void restart();
+    void stop();
     void show_started();
     /// A second after `now`: by then, what began at `now` is logged and shown.
     void drop_idle_code_after(Instant now);
@@ -124,6 +128,9 @@ class Daemon {
     DaemonSockets& sockets_;
     ServiceNotify& service_;
     std::unique_ptr<Appliance> appliance_;
+    bool has_started_ = false;
+    /// That of the configuration before, until it has written what is pending.
+    std::unique_ptr<FlightRecorder> left_over_;
     std::unique_ptr<StateLog> log_;
     std::optional<Trial> trial_;
     std::uint64_t trials_ = 0;

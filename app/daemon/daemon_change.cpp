@@ -43,6 +43,7 @@ std::optional<std::uint64_t> Daemon::begin_reload(std::optional<Duration> trial)
     return begin({.kind = ChangeKind::reload,
                   .trial = trial,
                   .before = {},
+                  .before_files = {},
                   .preparation = Preparation::of_file(path_)});
 }
 
@@ -54,6 +55,7 @@ std::optional<std::uint64_t> Daemon::begin_reload_of_draft(Duration trial) {
                   .trial = trial,
                   .of_draft = true,
                   .before = {},
+                  .before_files = {},
                   .preparation = Preparation::of_draft(sockets_.draft(), path_)});
 }
 
@@ -70,11 +72,13 @@ std::uint64_t Daemon::begin_going_back() {
             path_);
     }
     Configuration before = std::move(trial_->before);
+    EpochFiles before_files = std::move(trial_->before_files);
     set_trial(std::nullopt);
     auto preparation = Preparation::of(before);
     return begin({.kind = ChangeKind::back,
                   .trial = {},
                   .before = std::move(before),
+                  .before_files = std::move(before_files),
                   .preparation = std::move(preparation)});
 }
 
@@ -109,6 +113,7 @@ void Daemon::go_on(Instant now) {
         begin({.kind = ChangeKind::hang_up,
                .trial = {},
                .before = {},
+               .before_files = {},
                .preparation = Preparation::of_file(path_)});
     }
 }
@@ -131,6 +136,7 @@ ReloadOutcome Daemon::finish_reload(Change& change) {
         return refuse(fresh.error());
     }
     Configuration before = trial_ ? trial_->before : configuration();
+    EpochFiles before_files = trial_ ? trial_->before_files : appliance_->epoch_files();
     ReloadOutcome outcome = take(std::move(*fresh));
     if (!outcome.taken) {
         return outcome;
@@ -138,8 +144,8 @@ ReloadOutcome Daemon::finish_reload(Change& change) {
     if (change.trial) {
         log_info("on trial for {} s: without confirmation the daemon goes back",
                  std::chrono::ceil<std::chrono::seconds>(*change.trial).count());
-        set_trial(Trial{std::move(before), later(monotonic_now(), *change.trial), ++trials_,
-                        change.of_draft});
+        set_trial(Trial{std::move(before), std::move(before_files),
+                        later(monotonic_now(), *change.trial), ++trials_, change.of_draft});
     } else if (trial_ && change.kind == ChangeKind::hang_up) {
         log_info("still on trial: SIGHUP does not confirm it");
     } else {
@@ -156,7 +162,7 @@ ReloadOutcome Daemon::finish_going_back(Change& change) {
     }
     // The configuration before the trial must run, whatever has been unplugged since.
     log_warning("starting it anyway, with a stop: outputs go into failsafe");
-    appliance_.reset();
+    stop();
     std::vector<std::string> errors;
     outcome.taken = start_or_log(Appliance::build(std::move(change.before)),
                                  Appliance::MissingDevices::wait_for, errors);

@@ -10,6 +10,7 @@
 
 #include "config/build/machine_mistakes.h"
 #include "config/load.h"
+#include "transports/links/start_thread.h"
 #include "transports/links/unique_fd.h"
 
 namespace tribus {
@@ -19,6 +20,12 @@ namespace {
 constexpr std::size_t kPreparationStackBytes = std::size_t{1024} * 1024;
 
 std::atomic<int> preparations_running{0};
+
+std::unique_ptr<Appliance> build_with_files(Configuration configuration) {
+    auto built = Appliance::build(std::move(configuration));
+    built->open_files();
+    return built;
+}
 
 }  // namespace
 
@@ -49,20 +56,16 @@ std::unique_ptr<Preparation> Preparation::begin(std::function<Result()> prepare)
     auto work = std::make_shared<Work>();
     work->prepare = std::move(prepare);
     auto own = std::make_unique<std::shared_ptr<Work>>(work);
-    pthread_attr_t attributes;
-    ::pthread_attr_init(&attributes);
-    ::pthread_attr_setstacksize(&attributes, kPreparationStackBytes);
-    ::pthread_attr_setdetachstate(&attributes, PTHREAD_CREATE_DETACHED);
     pthread_t thread{};
     ++preparations_running;
-    if (::pthread_create(&thread, &attributes, &Preparation::main, own.get()) == 0) {
+    if (start_thread(thread, kPreparationStackBytes, &Preparation::main, own.get(),
+                     ThreadKind::detached) == 0) {
         static_cast<void>(own.release());
     } else {
         // If no thread can be created, waiting is better than refusing.
         --preparations_running;
         work->run();
     }
-    ::pthread_attr_destroy(&attributes);
     return std::unique_ptr<Preparation>(new Preparation(std::move(work)));
 }
 
@@ -81,12 +84,12 @@ std::unique_ptr<Preparation> Preparation::of_draft(const std::string& draft,
             !mistakes.empty()) {
             return tl::unexpected(std::move(mistakes));
         }
-        return Appliance::build(std::move(*configuration));
+        return build_with_files(std::move(*configuration));
     });
 }
 
 std::unique_ptr<Preparation> Preparation::of(const Configuration& configuration) {
-    return begin([configuration]() -> Result { return Appliance::build(configuration); });
+    return begin([configuration]() -> Result { return build_with_files(configuration); });
 }
 
 Preparation::~Preparation() = default;

@@ -13,8 +13,9 @@
 
 namespace tribus {
 
-/// Reads a configuration and builds an appliance from it on another thread, so that neither a file
-/// of 11 MB nor a disk that does not answer stops the main thread. Thread-bound to the main thread.
+/// Reads a configuration, builds an appliance from it and opens its files on another thread, so
+/// that neither a file of 11 MB nor a disk that does not answer stops the main thread. Thread-bound
+/// to the main thread.
 class Preparation {
   public:
     using Result = tl::expected<std::unique_ptr<Appliance>, std::vector<Mistake>>;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <memory>
 #include <optional>
 #include <string>
@@ -26,6 +27,8 @@
 #include "config/build/machine_mistakes.h"
 #include "config/load.h"
 #include "pipelines/realtime/clock.h"
+#include "pipelines/realtime/scheduling.h"
+#include "transports/links/start_thread.h"
 
 namespace tribus {
 namespace {
@@ -77,8 +80,16 @@ void keep_long_texts_out_of_the_heap() {
     ::mallopt(M_MMAP_THRESHOLD, kLongTextBytes);
 }
 
+/// Links to slow kernel interfaces have threads, all of whose stack is locked into memory.
+void keep_stacks_small() {
+    if (const int error = set_usual_stack(kRealtimeStackBytes); error != 0) {
+        log_warning("threads have large stacks: {}", std::strerror(error));
+    }
+}
+
 int run(const RunOptions& options) {
     keep_long_texts_out_of_the_heap();
+    keep_stacks_small();
     ServiceNotify service;
     auto configuration = load_configuration_file(options.path);
     if (!configuration) {

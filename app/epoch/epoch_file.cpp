@@ -1,12 +1,17 @@
 #include "app/epoch/epoch_file.h"
 
 #include <fcntl.h>
+#include <poll.h>
+#include <pthread.h>
+#include <sys/eventfd.h>
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <chrono>
+#include <condition_variable>
 #include <cstddef>
 #include <cstring>
 #include <filesystem>
@@ -25,6 +30,7 @@
 #include "core/quotes.h"
 #include "pipelines/realtime/clock.h"
 #include "transports/codecs/authenticated/broadcast.h"
+#include "transports/links/start_thread.h"
 
 namespace tribus {
 namespace {
@@ -77,42 +83,112 @@ bool is_path_in_memory(const std::string& path) {
 
 }  // namespace
 
-std::shared_ptr<EpochFile> EpochFile::of(const std::string& path) {
-    static std::mutex mutex;
-    static std::map<std::string, std::weak_ptr<EpochFile>> files;
-    const std::lock_guard guard(mutex);
-    std::weak_ptr<EpochFile>& known = files[path];
-    auto file = known.lock();
-    if (!file) {
-        file.reset(new EpochFile(path));
-        known = file;
-    }
-    return file;
+/// It is never destroyed: the thread of a file whose disk hangs may need it until the process ends.
+struct EpochFile::Registry {
+    struct Entry {
+        std::unique_ptr<EpochFile> file;
+        std::weak_ptr<EpochFile> users;
+    };
+    std::mutex mutex;
+    std::condition_variable closed;
+    std::map<std::string, Entry> files;
+};
+
+EpochFile::Registry& EpochFile::registry() {
+    static auto* const only = new Registry;
+    static const struct End {
+        End() = default;
+        End(const End&) = delete;
+        End& operator=(const End&) = delete;
+        ~End() { wait_until_closed(kLongestEnd); }
+    } end;
+    return *only;
 }
 
-EpochFile::~EpochFile() {
-    if (has_thread_) {
-        ends_ = true;
-        go_.release();
-        ::pthread_join(thread_, nullptr);
+std::shared_ptr<EpochFile> EpochFile::of(const std::string& path) {
+    Registry& all = registry();
+    const std::lock_guard guard(all.mutex);
+    Registry::Entry& entry = all.files[path];
+    if (auto used = entry.users.lock()) {
+        return used;
     }
-    if (lock_.valid()) {
-        // If that fails, the file still has a number that is high enough.
-        static_cast<void>(store(next()));
+    if (entry.file) {
+        entry.file->take_up_again();
+    } else {
+        entry.file.reset(new EpochFile(path));
+    }
+    std::shared_ptr<EpochFile> users(entry.file.get(), [path](EpochFile*) { let_go(path); });
+    entry.users = users;
+    return users;
+}
+
+/// The last user has gone, but another one may have come.
+void EpochFile::let_go(const std::string& path) {
+    Registry& all = registry();
+    const std::lock_guard guard(all.mutex);
+    const auto entry = all.files.find(path);
+    if (!entry->second.users.expired()) {
+        return;
+    }
+    if (entry->second.file->has_thread_) {
+        entry->second.file->ends_ = true;
+        entry->second.file->signal();
+    } else {
+        all.files.erase(entry);
     }
 }
+
+/// Its thread may be about to store the number that is next now: none may be used before a later
+/// one is stored.
+void EpochFile::take_up_again() {
+    if (!has_thread_) {
+        return;
+    }
+    ends_ = false;
+    reserved_.store(next(), std::memory_order_release);
+    want(next() + block_);
+}
+
+/// In its thread, once nobody used it. Returns false if somebody does again; else it is no more.
+bool EpochFile::close() {
+    // If that fails, the file still has a number that is high enough.
+    static_cast<void>(store(next()));
+    Registry& all = registry();
+    const std::lock_guard guard(all.mutex);
+    if (!ends_) {
+        return false;
+    }
+    all.files.erase(all.files.find(path_));
+    all.closed.notify_all();
+    return true;
+}
+
+bool EpochFile::wait_until_closed(Duration longest) {
+    Registry& all = registry();
+    std::unique_lock guard(all.mutex);
+    return all.closed.wait_for(guard, longest, [&] {
+        return std::ranges::none_of(all.files,
+                                    [](const auto& file) { return file.second.users.expired(); });
+    });
+}
+
+EpochFile::EpochFile(std::string path) : path_(std::move(path)), work_(::eventfd(0, EFD_CLOEXEC)) {}
+
+EpochFile::~EpochFile() = default;
 
 tl::expected<void, std::string> EpochFile::open(SettingScope way) {
+    const std::lock_guard guard(opening_);
     if (lock_.valid()) {
         return {};
     }
+    block_ = blocks_of(way).block;
     auto opened = lock();
     if (opened) {
         const auto stored = read(way);
         opened = stored ? tl::expected<void, std::string>{} : tl::unexpected(stored.error());
         if (stored) {
             begin_after(*stored, way);
-            opened = store(next() + blocks_of(way).block);
+            opened = store(next() + block_);
         }
     }
     if (opened) {
@@ -120,12 +196,8 @@ tl::expected<void, std::string> EpochFile::open(SettingScope way) {
     }
     if (!opened) {
         lock_.reset();
-    } else if (is_path_in_memory(path_)) {
-        log_warning(
-            "epoch file {} is in memory: after a start of this machine, frames that somebody "
-            "recorded count again; name a file on a disk",
-            path_);
     }
+    is_in_memory_ = opened && is_path_in_memory(path_);
     return opened;
 }
 
@@ -232,11 +304,9 @@ tl::expected<void, std::string> EpochFile::store(std::uint64_t end) {
 }
 
 tl::expected<void, std::string> EpochFile::start_thread() {
-    pthread_attr_t attributes;
-    ::pthread_attr_init(&attributes);
-    ::pthread_attr_setstacksize(&attributes, kEpochStackBytes);
-    const int error = ::pthread_create(&thread_, &attributes, &EpochFile::main, this);
-    ::pthread_attr_destroy(&attributes);
+    pthread_t thread{};
+    const int error = tribus::start_thread(thread, kEpochStackBytes, &EpochFile::main, this,
+                                           ThreadKind::detached);
     if (error != 0) {
         return tl::unexpected(
             fmt::format("cannot start the thread that writes {}: {}", path_, std::strerror(error)));
@@ -245,11 +315,25 @@ tl::expected<void, std::string> EpochFile::start_thread() {
     return {};
 }
 
+void EpochFile::signal() const {
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const ssize_t told = ::write(work_.get(), &one, sizeof one);
+}
+
+void EpochFile::wait_for_work(Duration longest) const {
+    const auto most = std::chrono::ceil<std::chrono::milliseconds>(longest).count();
+    pollfd work{.fd = work_.get(), .events = POLLIN, .revents = 0};
+    std::uint64_t count = 0;
+    if (::poll(&work, 1, static_cast<int>(most)) > 0) {
+        [[maybe_unused]] const ssize_t taken = ::read(work_.get(), &count, sizeof count);
+    }
+}
+
 /// The data thread calls it. It neither waits nor allocates.
 void EpochFile::want(std::uint64_t end) {
     wanted_.store(end, std::memory_order_relaxed);
     if (!storing_.exchange(true)) {
-        go_.release();
+        signal();
     }
 }
 
@@ -260,21 +344,30 @@ void EpochFile::store_wanted() {
         error_ = stored ? "" : stored.error();
     }
     if (!stored) {
-        // Only the end interrupts it: nobody else releases while `storing_` is true.
-        static_cast<void>(go_.try_acquire_for(kPauseAfterFailure));
+        // Only the end interrupts it: nobody else signals while `storing_` is true.
+        wait_for_work(kPauseAfterFailure);
     }
     storing_.store(false);
 }
 
-void* EpochFile::main(void* self) {
-    auto& file = *static_cast<EpochFile*>(self);
-    ::pthread_setname_np(::pthread_self(), "tribus-epoch");
-    do {
-        file.go_.acquire();
-        if (!file.ends_) {
-            file.store_wanted();
+void EpochFile::store_until_closed() {
+    constexpr Duration kUntilThereIsWork = std::chrono::hours(1);
+    for (;;) {
+        if (ends_) {
+            if (close()) {
+                return;
+            }
+        } else if (storing_) {
+            store_wanted();
+        } else {
+            wait_for_work(kUntilThereIsWork);
         }
-    } while (!file.ends_);
+    }
+}
+
+void* EpochFile::main(void* self) {
+    ::pthread_setname_np(::pthread_self(), "tribus-epoch");
+    static_cast<EpochFile*>(self)->store_until_closed();
     return nullptr;
 }
 
@@ -284,6 +377,12 @@ void EpochFile::look(const ClockRun& run) {
         run_ = run;
         set_clock(reserved() + authenticated::kNewClockNumbers,
                   authenticated::clock_step(monotonic_now()));
+    }
+    if (is_in_memory_.exchange(false)) {
+        log_warning(
+            "epoch file {} is in memory: after a start of this machine, frames that somebody "
+            "recorded count again; name a file on a disk",
+            path_);
     }
     const bool fails = !error_.empty();
     if (fails && !told_failure_) {

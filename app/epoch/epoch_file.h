@@ -1,13 +1,11 @@
 #pragma once
 
-#include <pthread.h>
-
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <semaphore>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -17,6 +15,7 @@
 #include "app/epoch/clock_run.h"
 #include "core/number_reservation.h"
 #include "core/setting.h"
+#include "core/time.h"
 #include "transports/links/unique_fd.h"
 
 namespace tribus {
@@ -26,26 +25,32 @@ namespace tribus {
 /// ClockRun, its time asleep in ns, and the number of step 0 of the clock, so that a sender that
 /// starts again goes on by the same clock. While the program runs, the number in the file is the
 /// end of what is reserved, and after it ended the exact one. The data thread uses the numbers; a
-/// thread of its own writes the file, so that nobody waits for a slow disk. Thread-bound to the
-/// main thread, unless a function says otherwise.
+/// thread of its own writes the file, so that nobody waits for a slow disk: neither a link that
+/// runs, nor a reload that ends it. Thread-bound to the main thread, unless a function says
+/// otherwise.
 class EpochFile final : public NumberReservation {
   public:
     /// It has no numbers until `open`. In one process a path has one of these at a time, so that a
-    /// number is used once, also where one configuration comes after another. Any thread.
+    /// number is used once, also where one configuration comes after another. When its last user
+    /// has gone, it stores the least number that was not used, closes, and nobody waits for that;
+    /// who wants it meanwhile gets the same. Any thread.
     static std::shared_ptr<EpochFile> of(const std::string& path);
-    /// Stores the least number that was not used. No thread may use numbers any more.
+    /// Waits until those without a user are closed, for at most `longest`. The end of the program
+    /// does so too, for at most `kLongestEnd`. Returns whether they are. Any thread.
+    static bool wait_until_closed(Duration longest);
+    static constexpr Duration kLongestEnd = std::chrono::seconds(5);
     ~EpochFile() override;
 
     /// Reads the file, keeps others from using it, and reserves the first numbers of a link's
     /// input or output. A file that is missing is made. Blocks until it is on the disk. No effect
-    /// if it is open. The error is a sentence.
+    /// if it is open. The error is a sentence. Any thread.
     tl::expected<void, std::string> open(SettingScope way);
     /// For the data thread.
     std::uint64_t at(std::uint64_t step) override {
         return zero_.load(std::memory_order_acquire) + step;
     }
-    /// Logs if the file cannot be written any more, or can again. After a suspend a sender's
-    /// numbers follow a new clock. Call it a few times a second. `run`: of now.
+    /// Logs if the file is in memory, cannot be written any more, or can again. After a suspend a
+    /// sender's numbers follow a new clock. Call it a few times a second. `run`: of now.
     void look(const ClockRun& run = clock_run());
 
   private:
@@ -56,7 +61,12 @@ class EpochFile final : public NumberReservation {
         std::uint64_t zero = 0;
     };
 
-    explicit EpochFile(std::string path) : path_(std::move(path)) {}
+    struct Registry;
+    static Registry& registry();
+    static void let_go(const std::string& path);
+
+    explicit EpochFile(std::string path);
+    void take_up_again();
     std::uint64_t reserved() const override { return reserved_.load(std::memory_order_acquire); }
     void want(std::uint64_t end) override;
     tl::expected<void, std::string> lock();
@@ -68,24 +78,30 @@ class EpochFile final : public NumberReservation {
     tl::expected<void, std::string> store(std::uint64_t end);
     tl::expected<void, std::string> start_thread();
     static void* main(void* self);
+    void store_until_closed();
+    void wait_for_work(Duration longest) const;
+    void signal() const;
     void store_wanted();
+    bool close();
 
     std::string path_;
-    UniqueFd lock_;  ///< valid: it is open
+    std::mutex opening_;
+    UniqueFd lock_;            ///< valid: it is open
+    std::uint64_t block_ = 0;  ///< numbers that are reserved at a time
     std::atomic<std::uint64_t> reserved_{0};
     std::atomic<std::uint64_t> zero_{0};  ///< the number of step 0, modulo 2^64
     std::atomic<std::uint64_t> wanted_{0};
 
-    /// Who sets it releases `go_`; the file's thread clears it.
+    /// Who sets it wakes the file's thread, which clears it.
     std::atomic<bool> storing_{false};
-    std::counting_semaphore<2> go_{0};
-    std::atomic<bool> ends_{false};
+    std::atomic<bool> ends_{false};  ///< likewise
+    UniqueFd work_;                  ///< readable: the thread is to look at both
     std::mutex mutex_;
     std::string error_;              ///< of the latest writing; under `mutex_`
     std::optional<ClockRun> run_{};  ///< of a sender's numbers; under `mutex_`
     bool told_failure_ = false;
+    std::atomic<bool> is_in_memory_{false};  ///< and that was not told yet
     bool has_thread_ = false;
-    pthread_t thread_{};
 };
 
 }  // namespace tribus

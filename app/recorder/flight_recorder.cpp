@@ -1,16 +1,13 @@
 #include "app/recorder/flight_recorder.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdlib>
 #include <fstream>
 #include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
-#include "app/cli/object_text.h"
 #include "app/client/control_socket.h"
 #include "app/journal/log.h"
 #include "app/recorder/left_recording.h"
@@ -27,8 +24,6 @@ constexpr std::size_t kKib = 1024;
 constexpr std::uintmax_t kMib = std::uintmax_t{1024} * 1024;
 /// Time of 256 bytes on an i.Bus line: the first read may hold bytes that began so long ago.
 constexpr Duration kLongestBurst = std::chrono::milliseconds(23);
-/// Upper limit of the remembered outcomes of requests.
-constexpr std::size_t kRememberedOutcomes = 16;
 
 /// If the unit has several directories, the first one is its own.
 std::string state_directory() {
@@ -89,6 +84,12 @@ tl::expected<PreparedRecording, std::string> prepare_left(const RecorderConfig& 
     return crash;
 }
 
+/// A job that writes nothing.
+tl::expected<PreparedRecording, std::string> only_tidy(const fs::path& directory) {
+    remove_unfinished_recordings(directory);
+    return tl::unexpected(std::string());
+}
+
 }  // namespace
 
 FlightRecorder::FlightRecorder(RecorderConfig config, fs::path directory,
@@ -98,7 +99,7 @@ FlightRecorder::FlightRecorder(RecorderConfig config, fs::path directory,
       ring_directory_(std::move(ring_directory)) {}
 
 tl::expected<std::unique_ptr<FlightRecorder>, std::string> FlightRecorder::make(
-    const Configuration& configuration) {
+    const Configuration& configuration, DiskPatience patience) {
     const RecorderConfig& config = *configuration.recorder;
     const std::string directory = config.directory.empty() ? state_directory() : config.directory;
     if (directory.empty()) {
@@ -116,16 +117,20 @@ tl::expected<std::unique_ptr<FlightRecorder>, std::string> FlightRecorder::make(
     std::unique_ptr<FlightRecorder> recorder(new FlightRecorder(
         config, directory,
         ring_directory ? std::optional(std::move(*ring_directory)) : std::nullopt));
-    recorder->write_left(monotonic_now(), wall_time_now());
+    recorder->write_left(monotonic_now(), wall_time_now(), patience);
     return recorder;
 }
 
 /// Writes what the previous process had in memory, if it crashed or was killed. The job reads it
 /// too: no frame waits for what may be long or damaged.
-void FlightRecorder::write_left(Instant now, Duration wall_now) {
+void FlightRecorder::write_left(Instant now, Duration wall_now, DiskPatience patience) {
     auto folder = ring_directory_ ? ring_directory_->take_left() : std::nullopt;
-    if (!folder) {
+    if (!folder && patience == DiskPatience::waits) {
         remove_unfinished_recordings(directory_);
+        return;
+    }
+    if (!folder) {
+        job_ = RecordingJob::start([directory = directory_] { return only_tidy(directory); });
         return;
     }
     job_is_left_ = true;
@@ -136,16 +141,20 @@ void FlightRecorder::write_left(Instant now, Duration wall_now) {
     job_number_ = 0;
 }
 
-FlightRecorder::~FlightRecorder() {
-    const Instant now = monotonic_now();
+bool FlightRecorder::finish(Instant now, Duration wall_now) {
     if (failsafe_) {
-        failsafe_->due = now;
+        failsafe_->due = std::min(failsafe_->due, now);
     }
-    for (int jobs = 0; jobs < 3 && (job_ || failsafe_ || request_); ++jobs) {
+    run_jobs(now, wall_now);
+    return !pending();
+}
+
+FlightRecorder::~FlightRecorder() {
+    for (int jobs = 0; jobs < 3 && pending(); ++jobs) {
         if (job_) {
             end_job();
         }
-        run_jobs(now, wall_time_now());
+        finish(monotonic_now(), wall_time_now());
     }
 }
 
@@ -322,7 +331,9 @@ void FlightRecorder::end_job() {
     }
     const RecordingOrder& order = job_->order();
     const RecordingJob::Result& result = job_->result();
-    if (!job_->prepared()) {
+    if (!job_->prepared() && result.error().empty()) {
+        // There was nothing to write.
+    } else if (!job_->prepared()) {
         log_warning(
             "recorder: the process before this one crashed or was killed; nothing of it is "
             "written: {}",
@@ -344,50 +355,6 @@ void FlightRecorder::end_job() {
     }
     job_.reset();
     retired_.clear();
-}
-
-std::string FlightRecorder::answer(std::span<const std::string> words, Instant now,
-                                   Duration wall_now) {
-    std::uint64_t number = 0;
-    if (words.empty()) {
-        if (!request_) {
-            request_ = Event{.kind = "request",
-                             .reason = "on request",
-                             .wall = wall_now,
-                             .at = now,
-                             .due = now,
-                             .number = ++requests_};
-            outcomes_[requests_] = {};
-            if (outcomes_.size() > kRememberedOutcomes) {
-                outcomes_.erase(outcomes_.begin());
-            }
-        }
-        number = request_->number;
-    } else {
-        const std::string& word = words.front();
-        std::from_chars(word.data(), word.data() + word.size(), number);
-    }
-    run_jobs(now, wall_now);
-    const auto outcome = outcomes_.find(number);
-    if (words.size() > 1 || outcome == outcomes_.end()) {
-        return error_object("\"record\" takes the number of a requested recording, or nothing");
-    }
-    const auto& [done, result] = outcome->second;
-    nlohmann::ordered_json json = {{"type", "recording"}, {"number", number}};
-    json["state"] = !done ? "writing" : result ? "written" : "failed";
-    if (done && result) {
-        json["folder"] = result->string();
-    } else if (done) {
-        json["reason"] = result.error();
-    }
-    return json_text(json);
-}
-
-std::string recordings_json(const FlightRecorder* recorder) {
-    return json_text({{"type", "recordings"},
-                      {"directory", recorder == nullptr
-                                        ? nlohmann::ordered_json(nullptr)
-                                        : nlohmann::ordered_json(recorder->directory().string())}});
 }
 
 }  // namespace tribus

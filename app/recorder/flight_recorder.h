@@ -32,6 +32,9 @@ struct RecordedEvent {
     std::uint64_t number = 0;  ///< 0: not requested by a client
 };
 
+/// Whether somebody waits for a disk that does not answer.
+enum class DiskPatience : std::uint8_t { waits, does_not_wait };
+
 /// Keeps what passes the ports in memory. Writes the latest of it to a folder when an output goes
 /// into failsafe, on request, and after a crash of the previous process. Another thread writes, so
 /// a slow disk delays neither the data thread nor the main thread. Thread-bound to the main thread.
@@ -39,11 +42,15 @@ class FlightRecorder {
   public:
     /// `configuration` must have [recorder]. The error is `file:line:column: text`.
     static tl::expected<std::unique_ptr<FlightRecorder>, std::string> make(
-        const Configuration& configuration);
+        const Configuration& configuration, DiskPatience patience = DiskPatience::waits);
     FlightRecorder(const FlightRecorder&) = delete;
     FlightRecorder& operator=(const FlightRecorder&) = delete;
-    /// Writes the recordings that are still pending. The data thread must have ended.
+    /// Writes the recordings that are still pending, and waits for that. The data thread must have
+    /// ended.
     ~FlightRecorder();
+    /// Writes them without waiting. Returns true once none is pending. The data thread no longer
+    /// uses its rings. Call it a few times a second.
+    bool finish(Instant now, Duration wall_now);
 
     /// The ring of this device: the present one or a new one. Null if there is no memory for it;
     /// the log says so. It stays valid until a `record_ports` without it.
@@ -84,7 +91,8 @@ class FlightRecorder {
                                                      std::filesystem::path& file,
                                                      std::size_t bytes);
     RecordingOrder order(const Event& event, Duration wall_offset) const;
-    void write_left(Instant now, Duration wall_now);
+    void write_left(Instant now, Duration wall_now, DiskPatience patience);
+    bool pending() const { return job_ || failsafe_ || request_; }
     void note_failsafes(std::span<const std::uint64_t> entries, Instant now, Duration wall_now);
     void begin(const Event& event, Instant now, Duration wall_now);
     void end_job();

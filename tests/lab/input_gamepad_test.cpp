@@ -151,6 +151,18 @@ TEST_F(LabGamepad, ReadsTheWholeStateAfterTheKernelDroppedEvents) {
     expect_clean_end(program);
 }
 
+TEST_F(LabGamepad, IsOfItsProgramAloneUntilThatEndsAlsoWhileItIsStopped) {
+    Program& program = run(config());
+    EXPECT_TRUE(sends({1500, 1500, 1500, 1500})) << program.errors();
+    const InputReader other(pad().device());
+    EXPECT_FALSE(other.grab());
+    program.signal(SIGSTOP);
+    EXPECT_FALSE(other.grab());
+    program.signal(SIGKILL);
+    program.end();
+    EXPECT_TRUE(other.grab());
+}
+
 TEST_F(LabGamepad, CountsOnlyWhileTheDeadMansButtonIsPressed) {
     Program& program = run(config("dead_man = \"BTN_TL\"\n"));
     EXPECT_TRUE(sends_failsafe()) << program.errors();

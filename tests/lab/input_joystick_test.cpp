@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <string>
 #include <vector>
 
@@ -118,6 +119,35 @@ TEST_F(LabJoystick, StaysWithSticksAtRestWhenTheLinkIsLost) {
     })) << "it comes back";
     expect_clean_end(program);
 }
+
+/// How its program stands before it is killed: SIGUSR2 lets the data thread hang.
+class StandingJoystick : public LabJoystick, public testing::WithParamInterface<int> {};
+
+TEST_P(StandingJoystick, KeepsItsAxesAndVanishesWithItsProgram) {
+    FarEnd& receiver = device("receiver");
+    Program& program = start({std::string("LD_PRELOAD=") + TRIBUS_HANG_PRELOAD, TRIBUS_PROGRAM,
+                              "run", config("timeout = \"1s\"\n")},
+                             {.executable = "/usr/bin/env"});
+    EXPECT_TRUE(program.says("started")) << program.errors();
+    const InputReader joystick(event_device(kName));
+    const Sticks held(14, 1900);
+    Repeater sticks(receiver, ibus_bytes(held));
+    ASSERT_TRUE(eventually([&] {
+        sticks.send_if_due();
+        return shows(joystick, held);
+    }));
+    program.signal(GetParam());
+    shell("sleep 2");
+    EXPECT_TRUE(shows(joystick, held)) << "nobody brings the sticks to rest";
+    program.signal(SIGKILL);
+    program.end();
+    EXPECT_TRUE(eventually([] { return event_device(kName).empty(); }));
+}
+
+INSTANTIATE_TEST_SUITE_P(Ends, StandingJoystick, testing::Values(SIGUSR2, SIGSTOP),
+                         [](const auto& signal) {
+                             return std::string(signal.param == SIGSTOP ? "Stopped" : "Hangs");
+                         });
 
 TEST_F(LabJoystick, IsReadByEvtestAndBySdl) {
     FarEnd& receiver = device("receiver");

@@ -80,6 +80,24 @@ TEST_F(LabPwm, SwitchesOffWhenTheLinkIsLostAndOnWhenItIsBack) {
     expect_clean_end(program);
 }
 
+TEST_F(LabPwm, TheChipRepeatsItsLastPulseWhileTheProgramIsStopped) {
+    FarEnd& receiver = device("receiver");
+    Program& program = run(config());
+    const Registers chip(adapter());
+    const Sticks sticks(14, 1700);
+    Repeater repeater(receiver, ibus_bytes(sticks));
+    ASSERT_TRUE(eventually([&] {
+        repeater.send_if_due();
+        return shows(chip, sticks);
+    }));
+    program.signal(SIGSTOP);
+    shell("sleep 1");
+    EXPECT_TRUE(shows(chip, sticks));
+    program.signal(SIGCONT);
+    EXPECT_TRUE(eventually([&] { return all_off(chip); })) << "the link was lost meanwhile";
+    expect_clean_end(program);
+}
+
 TEST_F(LabPwm, AfterAKillTheChipRepeatsItsLastPulseUntilItIsSwitchedOff) {
     FarEnd& receiver = device("receiver");
     const std::string file = config();

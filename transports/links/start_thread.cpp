@@ -28,13 +28,17 @@ std::size_t thread_local_bytes() {
 /// The C library's description of a thread, and its reserve for libraries that come later.
 constexpr std::size_t kBesideThreadLocals = std::size_t{8} * 1024;
 
-int start(pthread_t& thread, pthread_attr_t& attributes, std::size_t stack_bytes,
-          void* (*main)(void*), void* argument, ThreadKind kind) {
+int set_stack(pthread_attr_t& attributes, std::size_t stack_bytes) {
     const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
     const auto least = static_cast<std::size_t>(std::max(::sysconf(_SC_THREAD_STACK_MIN), 0L));
     const std::size_t bytes =
         std::max(stack_bytes, least) + thread_local_bytes() + kBesideThreadLocals;
-    int error = ::pthread_attr_setstacksize(&attributes, (bytes + page - 1) / page * page);
+    return ::pthread_attr_setstacksize(&attributes, (bytes + page - 1) / page * page);
+}
+
+int start(pthread_t& thread, pthread_attr_t& attributes, std::size_t stack_bytes,
+          void* (*main)(void*), void* argument, ThreadKind kind) {
+    int error = set_stack(attributes, stack_bytes);
     if (error == 0 && kind == ThreadKind::detached) {
         error = ::pthread_attr_setdetachstate(&attributes, PTHREAD_CREATE_DETACHED);
     }
@@ -49,6 +53,17 @@ int start_thread(pthread_t& thread, std::size_t stack_bytes, void* (*main)(void*
     int error = ::pthread_attr_init(&attributes);
     if (error == 0) {
         error = start(thread, attributes, stack_bytes, main, argument, kind);
+        ::pthread_attr_destroy(&attributes);
+    }
+    return error;
+}
+
+int set_usual_stack(std::size_t stack_bytes) {
+    pthread_attr_t attributes;
+    int error = ::pthread_attr_init(&attributes);
+    if (error == 0) {
+        error = set_stack(attributes, stack_bytes);
+        error = error == 0 ? ::pthread_setattr_default_np(&attributes) : error;
         ::pthread_attr_destroy(&attributes);
     }
     return error;

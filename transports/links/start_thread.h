@@ -15,4 +15,8 @@ enum class ThreadKind : std::uint8_t { joined, detached };
 [[nodiscard]] int start_thread(pthread_t& thread, std::size_t stack_bytes, void* (*main)(void*),
                                void* argument, ThreadKind kind = ThreadKind::joined);
 
+/// From now on each other thread, such as a std::thread, gets such a stack too. Returns 0, or an
+/// error number; then it gets what the system gives, usually 8 MiB. Before any thread starts.
+[[nodiscard]] int set_usual_stack(std::size_t stack_bytes);
+
 }  // namespace tribus

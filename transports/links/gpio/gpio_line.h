@@ -49,6 +49,8 @@ class GpioOutput {
     static tl::expected<std::unique_ptr<GpioOutput>, std::string> open(const GpioPlace& place,
                                                                        bool active_low,
                                                                        bool active_at_start);
+    /// `line` is an output.
+    explicit GpioOutput(std::unique_ptr<GpioHeldLine> line);
     ~GpioOutput();
 
     /// Returns false if the line did not change: the chip is gone, or its bus does not answer. A
@@ -56,7 +58,6 @@ class GpioOutput {
     bool set(bool active);
 
   private:
-    explicit GpioOutput(std::unique_ptr<GpioHeldLine> line);
     std::unique_ptr<GpioHeldLine> line_;
 };
 

@@ -1,9 +1,11 @@
 #include "app/epoch/epoch_file.h"
 
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -17,6 +19,7 @@
 #include "pipelines/realtime/clock.h"
 #include "tests/support/temporary_folder.h"
 #include "transports/codecs/authenticated/broadcast.h"
+#include "transports/links/unique_fd.h"
 
 /// The file of `epoch`, and what is left of it after a program was killed.
 namespace tribus::test::epoch_file_test {
@@ -28,6 +31,8 @@ constexpr NumberBlocks kBlocks{.block = 100, .ahead = 50};
 /// Steps of 10 us that an end reserves when it starts: 20 s, and 12 hours.
 constexpr std::uint64_t kOfReceiver = 2'000'000;
 constexpr std::uint64_t kOfSender = 4'294'967'296;
+
+constexpr Duration kPatience = std::chrono::seconds(10);
 
 class OpenEpoch : public ::testing::Test {
   protected:
@@ -100,7 +105,63 @@ TEST_F(OpenEpoch, BeginsWhereItsProgramEnded) {
         ASSERT_TRUE(epoch->open(SettingScope::input));
         EXPECT_TRUE(epoch->use(70, kBlocks));
     }
+    EXPECT_TRUE(EpochFile::wait_until_closed(kPatience));
     EXPECT_EQ(stored(), text_of(71));
+}
+
+/// From its beginning to `answer`, no epoch file can be written there: who opens a pipe without a
+/// reader waits.
+class HangingDisk {
+  public:
+    explicit HangingDisk(const TemporaryFolder& folder) : pipe_(folder / ".boat.epoch.new") {
+        EXPECT_EQ(::mkfifo(pipe_.c_str(), 0600), 0);
+    }
+    HangingDisk(const HangingDisk&) = delete;
+    HangingDisk& operator=(const HangingDisk&) = delete;
+    ~HangingDisk() { answer(); }
+    void answer() {
+        if (!reader_.valid()) {
+            reader_ = UniqueFd(::open(pipe_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+            ::unlink(pipe_.c_str());
+        }
+    }
+
+  private:
+    std::string pipe_;
+    UniqueFd reader_;
+};
+
+TEST_F(OpenEpoch, IsLeftByAReloadThatDoesNotWaitForItsDisk) {
+    auto epoch = file();
+    ASSERT_TRUE(epoch->open(SettingScope::input));
+    HangingDisk disk(folder_);
+    std::atomic<bool> left = false;
+    std::thread reload([&] {
+        epoch.reset();
+        left = true;
+    });
+    EXPECT_TRUE(comes([&] { return left.load(); }));
+    EXPECT_FALSE(EpochFile::wait_until_closed(std::chrono::milliseconds(20)));
+    disk.answer();
+    reload.join();
+    EXPECT_TRUE(EpochFile::wait_until_closed(kPatience));
+}
+
+/// What its thread was about to store when it was left names numbers that it now must not give.
+TEST_F(OpenEpoch, GoesOnWithTheNextConfigurationOnceItCouldStoreAgain) {
+    auto epoch = file();
+    ASSERT_TRUE(epoch->open(SettingScope::input));
+    EXPECT_TRUE(epoch->use(70, kBlocks));
+    HangingDisk disk(folder_);
+    epoch.reset();
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    epoch = file();
+    ASSERT_TRUE(epoch->open(SettingScope::input)) << "it still has the lock";
+    EXPECT_EQ(epoch->next(), 71U);
+    EXPECT_FALSE(epoch->use(71, kBlocks));
+    disk.answer();
+    EXPECT_TRUE(comes([&] { return epoch->use(71, kBlocks); }));
+    EXPECT_NE(stored(), text_of(71));
 }
 
 TEST_F(OpenEpoch, IsTheSameForAllConfigurationsOfAProgram) {
@@ -142,6 +203,7 @@ TEST_F(OpenEpoch, OfASenderGoesOnByTheClockThroughEveryRestart) {
         after = step_now();
         EXPECT_TRUE(epoch->use(epoch->at(step_now()), kBlocks));
     }
+    EXPECT_TRUE(EpochFile::wait_until_closed(kPatience));
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     // This one ends as by SIGKILL.
     const pid_t child = ::fork();

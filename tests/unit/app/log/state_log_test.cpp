@@ -115,8 +115,10 @@ class StateLogAtPtys : public testing::Test {
                 const std::string& output_protocol = "ibus") {
         Configuration fresh = configuration(input, output_protocol);
         const CarryOver carry_over = plan_carry_over(appliance_->configuration(), fresh);
+        std::unique_ptr<FlightRecorder> none;
         appliance_ =
-            Appliance::succeed(appliance_, Appliance::build(std::move(fresh)), carry_over).value();
+            Appliance::succeed(appliance_, Appliance::build(std::move(fresh)), carry_over, none)
+                .value();
         auto log = std::make_unique<StateLog>(*appliance_, now);
         log->go_on_from(*log_, *appliance_, carry_over);
         log_ = std::move(log);

@@ -2,9 +2,12 @@
 
 #include <sys/eventfd.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
-#include <functional>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -29,6 +32,7 @@ struct Wire {
     std::atomic<bool> level = false;
     std::atomic<bool> noisy = false;
     std::atomic<int> reads = 0;
+    std::atomic<int> changes = 0;
 
     void move(bool to) {
         level = to;
@@ -44,7 +48,10 @@ struct Wire {
 class WiredLine final : public GpioHeldLine {
   public:
     explicit WiredLine(Wire& wire) : wire_(wire) {}
-    bool set(bool /*active*/) override { return false; }
+    bool set(bool active) override {
+        wire_.changes += wire_.level.exchange(active) != active ? 1 : 0;
+        return true;
+    }
     std::optional<bool> get() const override {
         return wire_.noisy ? wire_.reads % 2 == 0 : wire_.level.load();
     }
@@ -134,6 +141,63 @@ TEST(GpioThread, TakesTheLevelAtWhichAnUndebouncedLineCameToRest) {
         wire.move(level);
     }
     EXPECT_TRUE(bench.time_until(false));
+}
+
+/// Each role that is an output, while one output is under control, until the data thread stands:
+/// then nobody tells the thread anything new.
+class LinesOfAStandingDataThread : public testing::Test {
+  protected:
+    LinesOfAStandingDataThread() {
+        EXPECT_TRUE(exchange_.prepare());
+        std::vector<std::unique_ptr<HeldLine>> lines;
+        for (Wire& wire : wires_) {
+            lines.push_back(std::make_unique<HeldLine>(HeldLine{
+                nullptr, std::make_unique<GpioOutput>(std::make_unique<WiredLine>(wire))}));
+        }
+        std::vector<LineTask> tasks;
+        for (const LineRole role : kRoles) {
+            tasks.push_back({.role = role, .outputs = {0}, .period = 10ms});
+        }
+        thread_ =
+            std::make_unique<GpioThread>(exchange_, tasks, std::move(lines), GpioThreadSettings{});
+        EXPECT_TRUE(thread_->start());
+        exchange_.set_states({.on = line_bit(0) | line_bit(1) | line_bit(2) | line_bit(3)});
+        for (int turn = 0; turn < 20; ++turn) {
+            exchange_.set_fresh(0, monotonic_now());
+            std::this_thread::sleep_for(5ms);
+        }
+    }
+    Wire& of(LineRole role) {
+        return wires_[static_cast<std::size_t>(std::ranges::find(kRoles, role) - kRoles.begin())];
+    }
+
+    static constexpr std::array kRoles{LineRole::link, LineRole::failsafe, LineRole::channel_switch,
+                                       LineRole::inverter, LineRole::fresh};
+    std::array<Wire, kRoles.size()> wires_;
+    LineExchange exchange_{1};
+    std::unique_ptr<GpioThread> thread_;
+};
+
+TEST_F(LinesOfAStandingDataThread, KeepTheirLevelsButTheWaveEnds) {
+    EXPECT_GE(of(LineRole::fresh).changes, 4) << "it had a wave";
+    std::this_thread::sleep_for(50ms);
+    for (Wire& wire : wires_) {
+        wire.changes = 0;
+    }
+    std::this_thread::sleep_for(300ms);
+    for (Wire& wire : wires_) {
+        EXPECT_EQ(wire.changes, 0);
+    }
+    EXPECT_TRUE(of(LineRole::link).level) << "a lamp still shows control";
+    EXPECT_TRUE(of(LineRole::channel_switch).level);
+}
+
+TEST_F(LinesOfAStandingDataThread, AtTheEndLampsAndSwitchesAreOffAndAlarmsAndInvertersStay) {
+    thread_->end();
+    EXPECT_FALSE(of(LineRole::link).level);
+    EXPECT_FALSE(of(LineRole::channel_switch).level);
+    EXPECT_TRUE(of(LineRole::failsafe).level);
+    EXPECT_TRUE(of(LineRole::inverter).level);
 }
 
 }  // namespace

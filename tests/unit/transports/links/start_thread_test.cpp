@@ -4,7 +4,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <limits>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -51,6 +53,19 @@ TEST(StartThread, GivesLittleMore) {
 
 TEST(StartThread, GivesAtLeastWhatAThreadNeeds) {
     EXPECT_GT(room_of_thread(1), 0U);
+}
+
+/// In a process of its own: it is for all threads.
+TEST(StartThread, GivesOtherThreadsSuchAStackToo) {
+    EXPECT_EXIT(
+        {
+            std::size_t room = 0;
+            const bool set = set_usual_stack(kAsked) == 0;
+            std::thread([&room] { measure(&room); }).join();
+            std::_Exit(set && room >= kAsked && room <= kAsked + kThreadLocalBytes + 64 * 1024 ? 0
+                                                                                               : 1);
+        },
+        ::testing::ExitedWithCode(0), "");
 }
 
 TEST(StartThread, SaysThatAStackIsTooLarge) {
