@@ -90,11 +90,12 @@ class StateWatch final : public StationObserver {
             output.inputs(), [this](std::size_t input) { return has_no_key_[input]; });
         const bool heard = std::ranges::any_of(
             output.inputs(), [this](std::size_t input) { return was_good_[input]; });
-        known_[index] = !unproved && (known_[index] || output.stage() == OutputStage::control ||
-                                      (!heard && at >= known_from_[index]));
-        plot_.states[index].states.set(
-            at.time_since_epoch(),
-            known_[index] ? output_state_word(output.stage(), output.sends()) : "unknown");
+        known_[index] = known_[index] || output.stage() == OutputStage::control ||
+                        (!heard && at >= known_from_[index]);
+        plot_.states[index].states.set(at.time_since_epoch(),
+                                       known_[index] && !unproved
+                                           ? output_state_word(output.stage(), output.sends())
+                                           : "unknown");
     }
 
     const Engine& engine_;

@@ -42,6 +42,13 @@ HttpAnswer changed_meanwhile(const std::string& present) {
         {{"error", "the file was changed by another meanwhile"}, {"fingerprint", present}}, 412);
 }
 
+/// 409 tells the page that the trial is over; with any other reason it may go on.
+HttpAnswer not_confirmed(const std::string& why) {
+    const bool over = why.starts_with("that trial is over") || why.starts_with("abandoned") ||
+                      why == "no configuration is on trial";
+    return refused(over ? 409 : 502, why + "; the file is as before");
+}
+
 }  // namespace
 
 Site::Reply Site::change_of_daemon(const HttpRequest& request, const KnownDaemon& daemon,
@@ -192,8 +199,8 @@ Site::Reply Site::keep_draft(const KnownDaemon& daemon, std::uint64_t trial, Ins
             const HttpAnswer answer = as_it_is(outcome);
             if (answer.status != 200) {
                 const auto restored = keep_configuration(file, before, history);
-                return refused(
-                    409, restored ? "that trial is over; the file is as before" : restored.error());
+                return restored ? not_confirmed(text_in(answer.content, "error").value_or(""))
+                                : refused(500, restored.error());
             }
             const std::string text = drafts_[name].text;
             drafts_.erase(name);
