@@ -98,6 +98,7 @@ class Appliance {
     const std::vector<std::string>& waits_for() const { return waits_for_; }
     /// Why the data thread has ended by itself, as a sentence. Empty: it runs.
     std::string data_thread_failure() const { return thread_->failure(); }
+    bool data_thread_failed() const { return thread_->failed(); }
     /// When the data thread last published its figures.
     Instant figures_at() const { return loop_->published_at(); }
     /// A port that does not do its part though the data thread runs.

@@ -73,7 +73,7 @@ void Appliance::retire_parts(const Leaving& leaving) {
         return;
     }
     loop_->retire(leaving);
-    while (!loop_->retired() && thread_->failure().empty()) {
+    while (!loop_->retired() && !thread_->failed()) {
         const timespec pause{.tv_sec = 0, .tv_nsec = 1'000'000};
         ::nanosleep(&pause, nullptr);
     }

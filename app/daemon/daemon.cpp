@@ -187,8 +187,8 @@ void Daemon::look(Instant now) {
     if (!appliance_) {
         return;
     }
-    if (const std::string failure = appliance_->data_thread_failure(); !failure.empty()) {
-        log_error("{}; the program ends", failure);
+    if (appliance_->data_thread_failed()) {
+        log_error("{}; the program ends", appliance_->data_thread_failure());
         appliance_.reset();
         return;
     }

@@ -35,6 +35,7 @@ class DataThread {
     void hand_over_to(Loop& next, LoopCarry carry);
     /// Why the thread has ended by itself, as a sentence. Empty: it has not.
     std::string failure() const;
+    bool failed() const { return failure_.load(std::memory_order_acquire) != 0; }
     /// Waits until the loop has ended, which `Loop::request_end` requests.
     void join();
 

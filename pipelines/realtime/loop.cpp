@@ -141,10 +141,8 @@ std::size_t Loop::wait_until(Instant until) {
     if (wake.failed) {
         wait_failure_.store(waits_.failure(), std::memory_order_release);
     }
-    for (std::size_t i = 0; i < wake.ready; ++i) {
-        if (ready_[i].hung_up) {
-            watch_again(ready_[i].port);
-        }
+    for (std::size_t i = 0; wake.hung_up && i < wake.ready; ++i) {
+        watch_again(ready_[i]);
     }
     if (wake.event_came) {
         event_came_ = true;
@@ -216,8 +214,8 @@ void Loop::look_at_lines(Instant now) {
             catch_up(read_until_, now);
         } else {
             for (std::size_t i = 0; i < ready; ++i) {
-                ports_[ready_[i].port].reported = true;
-                read_port(ready_[i].port, now);
+                ports_[ready_[i]].reported = true;
+                read_port(ready_[i], now);
             }
             if (quiet_ports_ > 0) {
                 read_quiet_ports(now);

@@ -297,7 +297,6 @@ class Loop {
     std::size_t wait(Instant until);
     std::size_t wait_until(Instant until);
 
-    static constexpr std::size_t kPortsPerWake = 64;
     /// Limit of reads in a row. It empties the kernel's receive buffer and keeps one sender from
     /// blocking the other ports.
     static constexpr int kMostReads = 64;
@@ -329,7 +328,7 @@ class Loop {
     /// Set by `hand_over_to` of the loop before.
     LoopCarry carry_;
     bool took_over_ = false;
-    std::array<PortWaits::Ready, kPortsPerWake> ready_{};
+    std::array<std::uint32_t, PortWaits::kMostReady> ready_{};
     /// The latest reading of the clock.
     Instant clock_{};
     /// Everything that came until then has been read.

@@ -119,7 +119,6 @@ OutputStatus Loop::output_status(std::size_t output) const {
                                       settings_.machine->measured_at());
     }
     publish_can_status();
-    publish_standing_port(now);
     absence_status_.publish(absence_);
     published_at_ns_.store(now.time_since_epoch().count(), std::memory_order_release);
 }

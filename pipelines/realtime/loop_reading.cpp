@@ -197,6 +197,7 @@ bool Loop::read_port(std::size_t index, Instant now) {
             reads && !std::exchange(port.reported, false) && port.quiet_until == kNever;
         port.unheard = looks && read_port(index, now) ? port.unheard + 1 : 0;
     }
+    publish_standing_port(now);
 }
 
 [[gnu::noinline]] void Loop::read_quiet_ports(Instant now) {

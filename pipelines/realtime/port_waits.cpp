@@ -16,7 +16,6 @@
 namespace tribus {
 namespace {
 
-constexpr std::size_t kEventsPerWake = 64;
 /// Events of other threads have this number; no watch has it.
 constexpr std::uint64_t kEvent = ~std::uint64_t{0};
 
@@ -84,11 +83,11 @@ bool PortWaits::control(int operation, int descriptor, const Watch& watch,
 
 std::optional<PortWaits::Watch> PortWaits::watch(const Link& link, std::size_t port,
                                                  bool arrivals) {
-    const auto free = std::ranges::find(places_, false, &Place::used);
+    const auto free = std::ranges::find(places_, kNoPort, &Place::port);
     if (free == places_.end()) {
         return std::nullopt;
     }
-    *free = {.generation = free->generation + 1, .used = true, .port = port};
+    free->port = static_cast<std::uint32_t>(port);
     const Watch watch{.place = static_cast<std::uint32_t>(free - places_.begin()),
                       .generation = free->generation};
     const std::uint32_t events = events_of(link, arrivals);
@@ -107,14 +106,14 @@ void PortWaits::set_arrivals(const Watch& watch, const Link& link, bool arrivals
 }
 
 void PortWaits::set_port(const Watch& watch, std::size_t port) {
-    places_[watch.place].port = port;
+    places_[watch.place].port = static_cast<std::uint32_t>(port);
 }
 
 void PortWaits::end(const Watch& watch, const Link& link) {
     for (const int descriptor : {link.descriptor(), link.second_descriptor()}) {
         control(EPOLL_CTL_DEL, descriptor, watch, 0);
     }
-    places_[watch.place].used = false;
+    places_[watch.place] = {.generation = watch.generation + 1};
 }
 
 const PortWaits::Place* PortWaits::place_of(std::uint64_t number) const {
@@ -123,7 +122,7 @@ const PortWaits::Place* PortWaits::place_of(std::uint64_t number) const {
         return nullptr;
     }
     const Place& place = places_[index];
-    return place.used && place.generation == number >> 32U ? &place : nullptr;
+    return place.generation == number >> 32U ? &place : nullptr;
 }
 
 /// A filter of system calls may be put on a running program, so epoll_pwait2 can begin to fail.
@@ -137,25 +136,34 @@ int PortWaits::wait_for(const Duration& longest, std::span<epoll_event> events) 
     return count;
 }
 
-PortWaits::Wake PortWaits::wait(Duration longest, std::span<Ready> ready) {
-    std::array<epoll_event, kEventsPerWake> events;
-    const std::span room{events.data(), std::min(events.size(), ready.size())};
-    Wake wake;
-    int count = wait_for(longest, room);
-    if (count < 0 && errno == EINTR) {
+/// After a wait that was interrupted or refused. Returns the number of events that wait.
+[[gnu::noinline]] int PortWaits::wait_again(std::span<epoll_event> events, Wake& wake) {
+    int count = -1;
+    if (errno == EINTR) {
         wake.interrupted = true;
-        count = wait_for(Duration::zero(), room);
+        count = wait_for(Duration::zero(), events);
     }
     if (count < 0 && errno != EINTR) {
         wake.failed = true;
         failure_ = errno;
+    }
+    return count;
+}
+
+PortWaits::Wake PortWaits::wait(Duration longest, std::span<std::uint32_t, kMostReady> ready) {
+    std::array<epoll_event, kMostReady> events;
+    Wake wake;
+    int count = wait_for(longest, events);
+    if (count < 0) {
+        count = wait_again(events, wake);
     }
     for (int i = 0; i < count; ++i) {
         const epoll_event& event = events[static_cast<std::size_t>(i)];
         if (event.data.u64 == kEvent) {
             wake.event_came = true;
         } else if (const Place* place = place_of(event.data.u64)) {
-            ready[wake.ready++] = {.port = place->port, .hung_up = event.events != EPOLLIN};
+            ready[wake.ready++] = place->port;
+            wake.hung_up = wake.hung_up || event.events != EPOLLIN;
         }
     }
     return wake;

@@ -23,18 +23,17 @@ namespace tribus {
 /// heap but `prepare` and `make_room`.
 class PortWaits {
   public:
+    /// Most ports that one wait names.
+    static constexpr std::size_t kMostReady = 64;
+
     /// Names one watch, for ever.
     struct Watch {
         std::uint32_t place = 0;
         std::uint32_t generation = 0;
     };
-    /// A port whose link is ready.
-    struct Ready {
-        std::size_t port = 0;
-        bool hung_up = false;  ///< not only bytes came: a hang-up or an error
-    };
     struct Wake {
-        std::size_t ready = 0;  ///< how many of `Ready` were filled in
+        std::size_t ready = 0;  ///< how many ports were filled in
+        bool hung_up = false;   ///< at one of them not only bytes came: a hang-up or an error
         bool event_came = false;
         bool interrupted = false;  ///< the thread was stopped, frozen or suspended
         bool failed = false;       ///< the kernel refuses to wait; `failure` says why
@@ -61,23 +60,26 @@ class PortWaits {
     /// Ends the watch of both descriptors. Call it before the link is closed.
     void end(const Watch& watch, const Link& link);
 
-    /// Sleeps until a link is ready, an event came, or `longest` is over.
-    Wake wait(Duration longest, std::span<Ready> ready);
+    /// Sleeps until a link is ready, an event came, or `longest` is over. `ready` gets the ports
+    /// whose links are ready.
+    Wake wait(Duration longest, std::span<std::uint32_t, kMostReady> ready);
     /// The event that ends a wait of this thread. Any thread may write to it.
     int wake_up() const { return wake_up_.get(); }
     /// Why `wait` failed: a value of errno.
     int failure() const { return failure_; }
 
   private:
+    /// Of a place that is free.
+    static constexpr std::uint32_t kNoPort = ~0U;
     struct Place {
-        std::uint32_t generation = 0;
-        bool used = false;
-        std::size_t port = 0;
+        std::uint32_t generation = 0;  ///< another one for each watch and after its end
+        std::uint32_t port = kNoPort;
     };
 
     bool control(int operation, int descriptor, const Watch& watch, std::uint32_t events) const;
     const Place* place_of(std::uint64_t number) const;
     int wait_for(const Duration& longest, std::span<epoll_event> events);
+    int wait_again(std::span<epoll_event> events, Wake& wake);
 
     UniqueFd epoll_;
     UniqueFd wake_up_;

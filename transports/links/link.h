@@ -76,8 +76,7 @@ class ByteLink : public Link {
     /// `write_asked`. Call `write_asked` directly after `ask` returned `written`, or not at all. A
     /// link that hands frames over later, on a thread of its own, drops them when `life` is over.
     virtual WriteStatus ask() { return WriteStatus::written; }
-    virtual WriteStatus write_asked(std::span<const std::uint8_t> frame,
-                                    const FrameLife& /*life*/) {
+    virtual WriteStatus write_asked(std::span<const std::uint8_t> frame, FrameLife /*life*/) {
         return write(frame);
     }
     /// Discards all bytes that wait to be read.

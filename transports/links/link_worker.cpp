@@ -53,7 +53,7 @@ std::string LinkWorker::start(const WorkerSettings& settings, std::function<Writ
     return {};
 }
 
-WriteStatus LinkWorker::wake(const FrameLife& life) {
+WriteStatus LinkWorker::wake(FrameLife life) {
     if (asked_.load() == taken_.load()) {
         waits_since_ = life.made;
     }
@@ -69,7 +69,7 @@ FrameLife LinkWorker::life_from_now() const {
     return {.made = settings_.now(), .valid_for = kMostOfAPart};
 }
 
-bool LinkWorker::makes_no_progress(const FrameLife& life) const {
+bool LinkWorker::makes_no_progress(FrameLife life) const {
     const Duration silence = life.made - progress();
     if (works_.load() && silence > kMostOfAPart) {
         return true;

@@ -44,7 +44,7 @@ class LinkWorker {
     /// work that was done last, but `unavailable` while the thread makes no progress: it has not
     /// taken a request for twice its life, or the kernel keeps it for more than 200 ms with one
     /// part of its work. Neither blocks nor uses the heap.
-    WriteStatus wake(const FrameLife& life);
+    WriteStatus wake(FrameLife life);
 
     /// For a caller that does not know how long its frame lives.
     FrameLife life_from_now() const;
@@ -63,7 +63,7 @@ class LinkWorker {
   private:
     void run();
     void note_progress();
-    bool makes_no_progress(const FrameLife& life) const;
+    bool makes_no_progress(FrameLife life) const;
     Instant progress() const { return Instant(Duration(progress_ns_.load())); }
 
     WorkerSettings settings_;

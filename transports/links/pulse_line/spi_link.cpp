@@ -17,7 +17,7 @@ ReadStatus SpiLink::read(Reception& reception) {
     return ReadStatus::nothing;
 }
 
-WriteStatus SpiLink::write_asked(std::span<const std::uint8_t> frame, const FrameLife& life) {
+WriteStatus SpiLink::write_asked(std::span<const std::uint8_t> frame, FrameLife life) {
     if (frame.size() > waiting_.size()) {
         return WriteStatus::unavailable;
     }

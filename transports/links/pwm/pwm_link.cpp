@@ -46,7 +46,7 @@ ReadStatus PwmLink::read(Reception& reception) {
     return ReadStatus::nothing;
 }
 
-WriteStatus PwmLink::write_asked(std::span<const std::uint8_t> frame, const FrameLife& life) {
+WriteStatus PwmLink::write_asked(std::span<const std::uint8_t> frame, FrameLife life) {
     for (std::size_t at = 0; at + pwm_pulses::kRecordBytes <= frame.size();
          at += pwm_pulses::kRecordBytes) {
         const auto record = frame.subspan(at, pwm_pulses::kRecordBytes);

@@ -35,7 +35,7 @@ class PwmLink final : public ByteLink {
     WriteStatus write(std::span<const std::uint8_t> frame) override {
         return write_asked(frame, worker_.life_from_now());
     }
-    WriteStatus write_asked(std::span<const std::uint8_t> frame, const FrameLife& life) override;
+    WriteStatus write_asked(std::span<const std::uint8_t> frame, FrameLife life) override;
     bool stands(Instant now) const override { return worker_.stands(now); }
     void discard_unread() override {}
     int descriptor() const override { return -1; }

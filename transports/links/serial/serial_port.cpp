@@ -278,8 +278,7 @@ WriteStatus SerialPort::ask() {
     return lost_ ? WriteStatus::lost : queued > 0 ? WriteStatus::busy : WriteStatus::written;
 }
 
-WriteStatus SerialPort::write_asked(std::span<const std::uint8_t> frame,
-                                    const FrameLife& /*life*/) {
+WriteStatus SerialPort::write_asked(std::span<const std::uint8_t> frame, FrameLife /*life*/) {
     const ssize_t taken = write_directly(fd_.get(), frame.data(), frame.size());
     const int error = taken < 0 ? errno : 0;
     if (taken < 0 && error == EINTR) {

@@ -44,7 +44,7 @@ class SerialPort : public ByteLink {
     /// queue: it accepts about 20 kB of unread bytes and is busy then.
     WriteStatus write(std::span<const std::uint8_t> frame) override;
     WriteStatus ask() override;
-    WriteStatus write_asked(std::span<const std::uint8_t> frame, const FrameLife& life) override;
+    WriteStatus write_asked(std::span<const std::uint8_t> frame, FrameLife life) override;
 
     int descriptor() const override { return fd_.get(); }
     bool wakes_at_each_arrival() const override { return true; }

@@ -29,11 +29,11 @@ class PortWaitsTest : public testing::Test {
   protected:
     PortWaitsTest() { EXPECT_TRUE(waits_.prepare(2)); }
     std::vector<std::size_t> ready(PortWaits& waits) {
-        std::array<PortWaits::Ready, 8> ports{};
+        std::array<std::uint32_t, PortWaits::kMostReady> ports{};
         const PortWaits::Wake wake = waits.wait(0ms, ports);
         std::vector<std::size_t> indices;
         for (std::size_t i = 0; i < wake.ready; ++i) {
-            indices.push_back(ports[i].port);
+            indices.push_back(ports[i]);
         }
         return indices;
     }
