@@ -203,26 +203,32 @@ tl::expected<Configuration, std::vector<Mistake>> load_configuration(std::string
 
 tl::expected<Configuration, std::vector<Mistake>> load_configuration_file(
     const std::filesystem::path& path, FileKinds kinds) {
-    return load_configuration_draft(path, path, kinds);
+    const auto text = read_configuration_text(path, kinds);
+    return text ? load_configuration_draft(*text, path) : tl::unexpected(text.error());
 }
 
 tl::expected<Configuration, std::vector<Mistake>> load_configuration_draft(
-    const std::filesystem::path& draft, const std::filesystem::path& path, FileKinds kinds) {
-    const auto text = read_file(draft, kMostConfigurationBytes + 1, kinds);
-    if (!text) {
-        return tl::unexpected(std::vector<Mistake>{
-            {draft.string(),
-             {},
-             fmt::format("cannot be read: {}; give the path of a configuration file", text.error()),
-             true}});
-    }
-    auto configuration = load_configuration(*text, path.string());
+    std::string_view text, const std::filesystem::path& path) {
+    auto configuration = load_configuration(text, path.string());
     if (configuration) {
         if (auto mistakes = mistaken_devices(*configuration); !mistakes.empty()) {
             return tl::unexpected(std::move(mistakes));
         }
     }
     return configuration;
+}
+
+tl::expected<std::string, std::vector<Mistake>> read_configuration_text(
+    const std::filesystem::path& path, FileKinds kinds) {
+    auto text = read_file(path, kMostConfigurationBytes + 1, kinds);
+    if (!text) {
+        return tl::unexpected(std::vector<Mistake>{
+            {path.string(),
+             {},
+             fmt::format("cannot be read: {}; give the path of a configuration file", text.error()),
+             true}});
+    }
+    return *std::move(text);
 }
 
 }  // namespace tribus

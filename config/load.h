@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <tl/expected.hpp>
 #include <vector>
@@ -22,9 +23,12 @@ tl::expected<Configuration, std::vector<Mistake>> load_configuration(std::string
 tl::expected<Configuration, std::vector<Mistake>> load_configuration_file(
     const std::filesystem::path& path, FileKinds kinds = FileKinds::any);
 
-/// The same for a draft: the text of `draft` as if it stood in `path`. Mistakes name `path`.
+/// The same for a text as if it stood in `path`. Mistakes name `path`.
 tl::expected<Configuration, std::vector<Mistake>> load_configuration_draft(
-    const std::filesystem::path& draft, const std::filesystem::path& path,
-    FileKinds kinds = FileKinds::any);
+    std::string_view text, const std::filesystem::path& path);
+
+/// The text of a configuration file. Mistakes as of `load_configuration_file`.
+tl::expected<std::string, std::vector<Mistake>> read_configuration_text(
+    const std::filesystem::path& path, FileKinds kinds);
 
 }  // namespace tribus

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/file_error.h"
+#include "app/cli/new_file.h"
 #include "transports/links/unique_fd.h"
 
 namespace tribus {
@@ -38,24 +39,27 @@ bool write_all(int descriptor, std::string_view text) {
 
 tl::expected<void, std::string> replace_file(const fs::path& file, std::string_view text,
                                              mode_t usual) {
-    struct stat before {};
-    const bool known = ::stat(file.c_str(), &before) == 0;
     constexpr mode_t kPermissions = 07777;
-    const fs::path fresh = file.parent_path() / fmt::format(".{}.new", file.filename().string());
-    const UniqueFd out(
-        ::open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0600));
+    constexpr mode_t kOwnerOnly = 0600;
+    const std::string name = file.filename().string();
+    const std::string fresh = fmt::format(".{}.new", name);
+    const UniqueFd folder = folder_of(file);
+    struct stat before {};
+    const bool known = ::fstatat(folder.get(), name.c_str(), &before, 0) == 0;
+    const UniqueFd out = folder.valid() ? new_file(folder.get(), fresh, kOwnerOnly) : UniqueFd();
     if (known && ::fchown(out.get(), before.st_uid, before.st_gid) != 0) {
         std::ignore = ::fchown(out.get(), static_cast<uid_t>(-1), before.st_gid);
     }
     const bool written = out.valid() && write_all(out.get(), text) &&
                          ::fchmod(out.get(), known ? before.st_mode & kPermissions : usual) == 0 &&
-                         ::fsync(out.get()) == 0 && ::rename(fresh.c_str(), file.c_str()) == 0;
+                         ::fsync(out.get()) == 0 &&
+                         ::renameat(folder.get(), fresh.c_str(), folder.get(), name.c_str()) == 0;
     if (!written) {
         const int why = errno;
-        ::unlink(fresh.c_str());
+        ::unlinkat(folder.get(), fresh.c_str(), 0);
         return file_error(file, why);
     }
-    sync_folder(file.parent_path());
+    sync_folder(file.has_parent_path() ? file.parent_path() : ".");
     return {};
 }
 

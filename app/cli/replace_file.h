@@ -15,7 +15,9 @@ bool write_all(int descriptor, std::string_view text);
 
 /// Replaces a file by this text: also if the power fails, the old text or the new one is there. The
 /// new file has the permissions of the old one, or `usual`, and its owner and group, as far as this
-/// user may give them. Blocks until it is on the disk. The error is a sentence; the old text stays.
+/// user may give them; one that root makes where none was belongs to the owner of the folder. Also
+/// in a folder of another user nothing is followed (`new_file`). Blocks until it is on the disk.
+/// The error is a sentence; the old text stays.
 tl::expected<void, std::string> replace_file(const std::filesystem::path& file,
                                              std::string_view text, mode_t usual);
 

@@ -47,11 +47,29 @@ tl::expected<std::string, std::string> read_line(int descriptor, Instant end) {
     }
 }
 
+std::vector<FoundSocket> sockets_for(Wants wants) {
+    const SocketDirectories directories = SocketDirectories::of_this_process();
+    std::vector<FoundSocket> found = find_sockets(directories);
+    if (wants == Wants::change) {
+        return found;
+    }
+    for (FoundSocket& telling : find_telling_sockets(directories)) {
+        const bool known = std::ranges::any_of(found, [&](const FoundSocket& control) {
+            return telling.path == control.path || telling.path == look_socket(control.path);
+        });
+        if (!known) {
+            found.push_back(std::move(telling));
+        }
+    }
+    std::ranges::sort(found, {}, &FoundSocket::name);
+    return found;
+}
+
 }  // namespace
 
 std::vector<std::string> running_daemons() {
     std::vector<std::string> names;
-    for (FoundSocket& daemon : find_sockets(SocketDirectories::of_this_process())) {
+    for (FoundSocket& daemon : sockets_for(Wants::look)) {
         names.push_back(std::move(daemon.name));
     }
     return names;
@@ -72,13 +90,14 @@ CommandOption daemon_socket_option(std::optional<std::string>& socket) {
 }
 
 tl::expected<std::string, std::string> find_daemon(const std::string& name,
-                                                   const std::optional<std::string>& socket) {
+                                                   const std::optional<std::string>& socket,
+                                                   Wants wants) {
     if (socket) {
         return *socket;
     }
     const std::filesystem::path file(name);
     const std::string wanted = file.extension() == ".toml" ? file.stem().string() : name;
-    const std::vector<FoundSocket> found = find_sockets(SocketDirectories::of_this_process());
+    const std::vector<FoundSocket> found = sockets_for(wants);
     std::string names;
     std::vector<std::string> matches;
     for (const FoundSocket& daemon : found) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -21,10 +22,18 @@ std::vector<std::string> running_daemons();
 CommandOption daemon_name_option(std::string& name);
 CommandOption daemon_socket_option(std::optional<std::string>& socket);
 
+/// What a command wants of a daemon.
+enum class Wants : std::uint8_t {
+    change,
+    look,  ///< the socket that only tells is enough
+};
+
 /// Path of the control socket: `socket` if given; else that of the daemon `name`, which may also be
-/// its configuration file; if `name` is empty, that of the only daemon that runs.
+/// its configuration file; if `name` is empty, that of the only daemon that runs. Who
+/// may only look gets the socket that only tells.
 tl::expected<std::string, std::string> find_daemon(const std::string& name,
-                                                   const std::optional<std::string>& socket);
+                                                   const std::optional<std::string>& socket,
+                                                   Wants wants = Wants::change);
 
 /// Sends one request and returns its answer; waits for at most `patience`. An answer of type
 /// "error" becomes the error.

@@ -1,5 +1,6 @@
 #include "app/client/control_socket.h"
 
+#include <fcntl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -26,6 +27,14 @@ constexpr std::string_view kFolder = "tribus";
 constexpr std::string_view kEnding = ".sock";
 /// In the service's own directory, which systemd makes.
 constexpr std::string_view kOwnName = "control";
+constexpr std::string_view kLookFolder = "tribus-look";
+/// Names of one of the two kinds of sockets.
+struct SocketNames {
+    std::string_view own;     ///< in the service's own directory
+    std::string_view ending;  ///< behind the name of the daemon
+};
+constexpr SocketNames kControlNames{kOwnName, kEnding};
+constexpr SocketNames kLookNames{"look", ".look"};
 constexpr mode_t kUserAndGroup = 0660;
 constexpr int kBacklog = 16;
 
@@ -102,6 +111,20 @@ std::optional<std::string> default_socket(const SocketDirectories& directories,
     return fmt::format("{}/{}/{}{}", directory, kFolder, fs::path(config).stem().string(), kEnding);
 }
 
+std::string look_socket(const std::string& control) {
+    const fs::path path(control);
+    const fs::path folder = path.parent_path();
+    if (path.filename() != kOwnName) {
+        const bool usual = path.extension() == kEnding;
+        return (folder / (usual ? path.stem() : path.filename())).string() +
+               std::string(kLookNames.ending);
+    }
+    const bool of_service = folder.parent_path().filename() == kFolder;
+    return of_service ? folder.parent_path().parent_path() / kLookFolder /
+                            (folder.filename().string() + std::string(kLookNames.ending))
+                      : folder / kLookNames.own;
+}
+
 std::string draft_file(const std::string& socket) {
     const fs::path path(socket);
     const std::string folder =
@@ -130,8 +153,8 @@ tl::expected<LocalListener, std::string> LocalListener::open(const std::string& 
     const bool made =
         socket.valid() &&
         ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&*address), sizeof *address) == 0 &&
-        ::chmod(unnamed.c_str(), kUserAndGroup) == 0 && ::listen(socket.get(), kBacklog) == 0 &&
-        ::rename(unnamed.c_str(), path.c_str()) == 0;
+        ::fchmodat(AT_FDCWD, unnamed.c_str(), kUserAndGroup, AT_SYMLINK_NOFOLLOW) == 0 &&
+        ::listen(socket.get(), kBacklog) == 0 && ::rename(unnamed.c_str(), path.c_str()) == 0;
     if (!made) {
         const int why = errno;
         ::unlink(unnamed.c_str());
@@ -171,41 +194,76 @@ void add_answering(std::vector<FoundSocket>& found, std::string name, const std:
     }
 }
 
-/// Adds `tribus/NAME.sock`, and of services `tribus/control`, `tribus/NAME/control` and
-/// `tribus-NAME/control`.
-void add_from(std::vector<FoundSocket>& found, const fs::path& directory) {
-    const std::string prefix = std::string(kFolder) + "-";
+/// Adds those that end with the usual ending in that folder.
+void add_named(std::vector<FoundSocket>& found, const fs::path& folder, const SocketNames& names) {
     std::error_code error;
-    for (fs::directory_iterator at(directory / kFolder, error), end; !error && at != end;
-         at.increment(error)) {
-        const std::string name = at->path().filename().string();
-        if (name.ends_with(kEnding)) {
+    for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+        if (at->path().extension() == names.ending) {
             add_answering(found, at->path().stem().string(), at->path().string());
-        } else {
-            add_answering(found, name, (at->path() / kOwnName).string());
         }
     }
-    add_answering(found, std::string(kFolder), (directory / kFolder / kOwnName).string());
+}
+
+/// Adds `tribus/NAME.sock`, and of services `tribus/control`, `tribus/NAME/control` and
+/// `tribus-NAME/control`; or those that tell.
+void add_from(std::vector<FoundSocket>& found, const fs::path& directory,
+              const SocketNames& names) {
+    const std::string prefix = std::string(kFolder) + "-";
+    std::error_code error;
+    add_named(found, directory / kFolder, names);
+    for (fs::directory_iterator at(directory / kFolder, error), end; !error && at != end;
+         at.increment(error)) {
+        add_answering(found, at->path().filename().string(), (at->path() / names.own).string());
+    }
+    add_answering(found, std::string(kFolder), (directory / kFolder / names.own).string());
     for (fs::directory_iterator at(directory, error), end; !error && at != end;
          at.increment(error)) {
         const std::string name = at->path().filename().string();
         if (name.starts_with(prefix)) {
-            add_answering(found, name.substr(prefix.size()), (at->path() / kOwnName).string());
+            add_answering(found, name.substr(prefix.size()), (at->path() / names.own).string());
         }
     }
+}
+
+std::vector<FoundSocket> find_named(const SocketDirectories& directories,
+                                    const SocketNames& names) {
+    std::vector<FoundSocket> found;
+    if (!directories.runtime_directory.empty()) {
+        add_answering(found, fs::path(directories.runtime_directory).filename().string(),
+                      fmt::format("{}/{}", directories.runtime_directory, names.own));
+    }
+    for (const std::string& directory :
+         {directories.system_directory, directories.user_directory}) {
+        if (!directory.empty()) {
+            add_from(found, directory, names);
+        }
+    }
+    return found;
 }
 
 }  // namespace
 
 std::vector<FoundSocket> find_sockets(const SocketDirectories& directories) {
-    std::vector<FoundSocket> found;
-    if (!directories.runtime_directory.empty()) {
-        add_answering(found, fs::path(directories.runtime_directory).filename().string(),
-                      fmt::format("{}/{}", directories.runtime_directory, kOwnName));
+    std::vector<FoundSocket> found = find_named(directories, kControlNames);
+    std::ranges::sort(found, {}, &FoundSocket::name);
+    return found;
+}
+
+std::vector<FoundSocket> find_telling_sockets(const SocketDirectories& directories) {
+    std::vector<FoundSocket> found = find_named(directories, kLookNames);
+    for (const std::string& directory :
+         {directories.system_directory, directories.user_directory}) {
+        if (!directory.empty()) {
+            add_named(found, fs::path(directory) / kLookFolder, kLookNames);
+        }
     }
-    add_from(found, directories.system_directory);
-    if (!directories.user_directory.empty()) {
-        add_from(found, directories.user_directory);
+    for (FoundSocket& control : find_named(directories, kControlNames)) {
+        const bool tells = std::ranges::any_of(found, [&](const FoundSocket& other) {
+            return other.path == look_socket(control.path);
+        });
+        if (!tells) {
+            found.push_back(std::move(control));
+        }
     }
     std::ranges::sort(found, {}, &FoundSocket::name);
     return found;

@@ -10,7 +10,7 @@
 
 #include "transports/links/unique_fd.h"
 
-/// The control sockets of daemons on this machine.
+/// The sockets of daemons on this machine: the control socket, and one that only tells.
 namespace tribus {
 
 /// The directories in which sockets can be.
@@ -29,6 +29,12 @@ struct SocketDirectories {
 /// name without extension. Nothing if there is no such directory. Pure.
 std::optional<std::string> default_socket(const SocketDirectories& directories,
                                           const std::string& config);
+
+/// Path of the socket of the same daemon that only tells, for who may look but not change:
+/// `tribus-look/NAME.look` beside the folder `tribus` if a service has its control socket in
+/// `tribus/NAME/control`, because that folder is for other users; else beside the control socket,
+/// `look` or `NAME.look`. Pure.
+std::string look_socket(const std::string& control);
 
 /// The file from which the daemon with that socket reads a draft: in a folder of its own beside the
 /// socket. Pure.
@@ -71,7 +77,11 @@ struct FoundSocket {
     std::string name;  ///< of the daemon, as in `default_socket`
     std::string path;
 };
-/// The sockets of all daemons in the default places that this user may use, ordered by name.
+/// The control sockets of all daemons in the default places that this user may use, ordered by
+/// name.
 std::vector<FoundSocket> find_sockets(const SocketDirectories& directories);
+/// The same to look only: the sockets that only tell, and the control sockets of daemons that have
+/// no such socket.
+std::vector<FoundSocket> find_telling_sockets(const SocketDirectories& directories);
 
 }  // namespace tribus

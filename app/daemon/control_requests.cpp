@@ -1,5 +1,6 @@
 #include "app/daemon/control_requests.h"
 
+#include <fcntl.h>
 #include <sys/stat.h>
 
 #include <cerrno>
@@ -9,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -16,6 +18,7 @@
 #include "app/cli/object_text.h"
 #include "config/show/effective.h"
 #include "core/quantity.h"
+#include "transports/links/unique_fd.h"
 
 namespace tribus {
 namespace {
@@ -67,11 +70,14 @@ ControlServer::LateAnswer reload(Daemon& daemon, Words words) {
 
 /// Makes the folder for drafts, for the user and the group of the socket.
 std::string make_draft_folder(const std::string& file) {
-    const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+    const std::filesystem::path path = std::filesystem::path(file).parent_path();
     constexpr mode_t kUserAndGroup = S_IRWXU | S_IRWXG;
-    if ((::mkdir(folder.c_str(), kUserAndGroup) != 0 && errno != EEXIST) ||
-        ::chmod(folder.c_str(), kUserAndGroup) != 0) {
-        return error_object(fmt::format("{}: {}", folder.string(), std::strerror(errno)));
+    const bool made = ::mkdir(path.c_str(), kUserAndGroup) == 0 || errno == EEXIST;
+    // What another user has put there is not changed.
+    const UniqueFd folder(
+        made ? ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC) : -1);
+    if (!folder.valid() || ::fchmod(folder.get(), kUserAndGroup) != 0) {
+        return error_object(fmt::format("{}: {}", path.string(), std::strerror(errno)));
     }
     return json_text({{"type", "draft"}, {"file", file}});
 }
@@ -88,12 +94,21 @@ std::optional<std::string> why_no_trial(const Daemon& daemon, Words words) {
     return fmt::format("that trial is over; the present one is number {}", *trial);
 }
 
-std::string confirm(Daemon& daemon, Words words) {
-    if (const auto why = why_no_trial(daemon, words)) {
-        return error_object(*why);
-    }
-    daemon.confirm();
-    return outcome_text({.taken = true});
+/// While the file is read the trial may end, so it is looked for until the confirming has begun.
+ControlServer::LateAnswer confirm(Daemon& daemon, Words words) {
+    return [&daemon, named = std::vector<std::string>(words.begin(), words.end()),
+            change = std::optional<std::uint64_t>()]() mutable -> std::optional<std::string> {
+        if (!change) {
+            if (const auto why = why_no_trial(daemon, named)) {
+                return error_object(*why);
+            }
+            change = daemon.begin_confirming();
+        }
+        const auto outcome =
+            change && daemon.runs() ? daemon.outcome_of(*change) : std::optional<ReloadOutcome>();
+        return outcome && !outcome->taken ? error_object(outcome->lines.front())
+                                          : outcome_of(daemon, change);
+    };
 }
 
 ControlServer::LateAnswer go_back(Daemon& daemon, Words words) {
@@ -110,8 +125,12 @@ void add_control_requests(ControlServer& control, Daemon& daemon) {
     control.add_late("reload", [&daemon](Words words) { return reload(daemon, words); });
     control.add_late("back", [&daemon](Words words) { return go_back(daemon, words); });
     control.add("draft", [&daemon](Words) { return make_draft_folder(daemon.draft_file()); });
-    control.add("confirm", [&daemon](Words words) { return confirm(daemon, words); });
-    control.add("configuration", [&daemon](Words) {
+    control.add_late("confirm", [&daemon](Words words) { return confirm(daemon, words); });
+    add_telling_requests(control, daemon);
+}
+
+void add_telling_requests(ControlServer& server, Daemon& daemon) {
+    server.add("configuration", [&daemon](Words) {
         if (!daemon.runs()) {
             return error_object("nothing runs any more");
         }

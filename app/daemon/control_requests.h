@@ -5,8 +5,10 @@
 
 namespace tribus {
 
-/// Adds the requests `reload [TIME]`, `confirm [TRIAL]`, `back [TRIAL]` and `configuration`;
-/// docs/status.md describes their answers. The daemon must outlive the server.
+/// Adds the requests `reload [TIME]`, `confirm [TRIAL]`, `back [TRIAL]`, `draft` and
+/// `configuration`; docs/status.md describes their answers. The daemon must outlive the server.
 void add_control_requests(ControlServer& control, Daemon& daemon);
+/// Adds `configuration`, which changes nothing.
+void add_telling_requests(ControlServer& server, Daemon& daemon);
 
 }  // namespace tribus

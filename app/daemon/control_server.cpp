@@ -106,10 +106,19 @@ std::string ControlServer::answer_line(SocketClient& client, const std::string& 
     }
     const auto command = commands_.find(words.front());
     if (command == commands_.end()) {
-        return error_object(fmt::format("{} is not a request; allowed: {}",
-                                        in_quotes(words.front(), kShown), allowed()));
+        return error_object(why_not(words.front()));
     }
     return command->second(std::span(words).subspan(1));
+}
+
+std::string ControlServer::why_not(const std::string& request) const {
+    const std::string shown = in_quotes(request, kShown);
+    return control_.empty()
+               ? fmt::format("{} is not a request; allowed: {}", shown, allowed())
+               : fmt::format(
+                     "{} is refused: this socket only tells, and what changes something goes "
+                     "to {}; allowed here: {}",
+                     shown, control_, allowed());
 }
 
 std::string ControlServer::allowed() const {

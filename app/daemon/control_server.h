@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <tl/expected.hpp>
 
@@ -35,6 +36,10 @@ class ControlServer {
     using LateAnswer = std::function<std::optional<std::string>()>;
     using LateCommand = std::function<LateAnswer(std::span<const std::string> words)>;
 
+    /// Other requests than those that are added change something: they are refused here, with the
+    /// place where they are served.
+    void tell_only(std::string control) { control_ = std::move(control); }
+
     /// Adds the request `name`. `watch` needs the request `status`.
     void add(std::string name, Command command);
     void add_late(std::string name, LateCommand command);
@@ -51,9 +56,11 @@ class ControlServer {
     bool answer(SocketClient& client, Instant now);
     std::string answer_line(SocketClient& client, const std::string& line, Instant now);
     std::string allowed() const;
+    std::string why_not(const std::string& request) const;
     std::string watch(SocketClient& client, std::span<const std::string> words, Instant now);
 
     LocalListener listener_;
+    std::string control_;  ///< path of the control socket, if this one only tells
     std::optional<SocketServer> server_;
     std::map<std::string, Command, std::less<>> commands_;
     std::map<std::string, LateCommand, std::less<>> late_commands_;

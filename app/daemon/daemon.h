@@ -62,8 +62,11 @@ class Daemon {
     const std::string& draft_file() const { return sockets_.draft(); }
     /// Number of the trial, if a configuration is on trial. Each trial has its own number.
     std::optional<std::uint64_t> trial() const;
-    /// Ends the trial; its configuration stays. Only while one is on trial.
-    void confirm();
+    /// Begins to end the trial, whose configuration stays. If it is that of a draft, another thread
+    /// reads the file first: unless the file has the same text the trial goes on, and the outcome
+    /// says why. Only while one is on trial. Returns the number of the change, or nothing while
+    /// another change is under way.
+    std::optional<std::uint64_t> begin_confirming();
     /// Begins to go back to the configuration before the trial. This also abandons a reload that is
     /// under way, and does not wait for missing devices. Only while a configuration is on trial.
     /// Returns the number of the change.
@@ -89,9 +92,9 @@ class Daemon {
         EpochFiles before_files;  ///< so that going back waits for no disk
         Instant end;
         std::uint64_t number = 0;
-        bool of_draft = false;  ///< the file still holds the configuration before
+        std::optional<std::string> draft{};  ///< its text; nothing if that was read from the file
     };
-    enum class ChangeKind : std::uint8_t { reload, hang_up, back };
+    enum class ChangeKind : std::uint8_t { reload, hang_up, confirm, back };
     /// A change from one configuration to the next.
     struct Change {
         ChangeKind kind{};
@@ -109,7 +112,9 @@ class Daemon {
     std::uint64_t begin(Change change);
     void remember(std::uint64_t change, ReloadOutcome outcome);
     ReloadOutcome finish_reload(Change& change);
+    ReloadOutcome finish_confirming(Change& change);
     ReloadOutcome finish_going_back(Change& change);
+    void confirm();
     ReloadOutcome refuse(const std::vector<Mistake>& mistakes);
     ReloadOutcome take(std::unique_ptr<Appliance> fresh);
     ReloadOutcome take_with_a_stop(std::unique_ptr<Appliance> fresh,

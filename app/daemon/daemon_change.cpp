@@ -2,6 +2,8 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "app/cli/load_or_explain.h"
 #include "app/daemon/daemon.h"
 #include "app/journal/log.h"
@@ -22,7 +24,9 @@ constexpr std::size_t kRememberedOutcomes = 16;
 
 std::uint64_t Daemon::begin(Change change) {
     const Instant now = monotonic_now();
-    service_.reloading();
+    if (change.kind != ChangeKind::confirm) {
+        service_.reloading();
+    }
     change.number = ++changes_;
     change.latest_end = later(now, kLongestReading);
     change_.emplace(std::move(change));
@@ -59,12 +63,43 @@ std::optional<std::uint64_t> Daemon::begin_reload_of_draft(Duration trial) {
                   .preparation = Preparation::of_draft(sockets_.draft(), path_)});
 }
 
+std::optional<std::uint64_t> Daemon::begin_confirming() {
+    if (change_) {
+        return std::nullopt;
+    }
+    if (!trial_->draft) {
+        confirm();
+        remember(++changes_, {.taken = true});
+        return changes_;
+    }
+    return begin({.kind = ChangeKind::confirm,
+                  .trial = {},
+                  .before = {},
+                  .preparation = Preparation::of_text(path_)});
+}
+
+/// What runs without end is what the file has, so that the next start runs the same.
+ReloadOutcome Daemon::finish_confirming(Change& change) {
+    const auto read = change.preparation->take();
+    if (!read) {
+        return {.lines = {format_mistake(read.error().front())}};
+    }
+    if (read->text != trial_->draft) {
+        return {
+            .lines = {fmt::format("{} does not have the text of the draft that is on trial; write "
+                                  "it there, then confirm",
+                                  path_)}};
+    }
+    confirm();
+    return {.taken = true};
+}
+
 std::uint64_t Daemon::begin_going_back() {
     if (change_) {
         remember(change_->number,
                  {.lines = {"abandoned: the daemon went back from the trial before it"}});
     }
-    if (trial_->of_draft) {
+    if (trial_->draft) {
         log_warning("going back to the configuration before, which {} still holds", path_);
     } else {
         log_warning(
@@ -98,14 +133,18 @@ void Daemon::go_on(Instant now) {
     if (change_ && change_->preparation->done()) {
         Change change = std::move(*change_);
         change_.reset();
-        remember(change.number, change.kind == ChangeKind::back ? finish_going_back(change)
-                                                                : finish_reload(change));
+        remember(change.number, change.kind == ChangeKind::back      ? finish_going_back(change)
+                                : change.kind == ChangeKind::confirm ? finish_confirming(change)
+                                                                     : finish_reload(change));
         next_hang_up_ = later(now, kHangUpPause);
         drop_idle_code_after(now);
     } else if (change_ && change_->kind != ChangeKind::back && now >= change_->latest_end) {
         const std::uint64_t number = change_->number;
+        const bool confirms = change_->kind == ChangeKind::confirm;
         change_.reset();
-        remember(number, refuse({{path_, {}, "was not read within a minute", true}}));
+        const Mistake unread{path_, {}, "was not read within a minute", true};
+        remember(number,
+                 confirms ? ReloadOutcome{.lines = {format_mistake(unread)}} : refuse({unread}));
         drop_idle_code_after(now);
     }
     if (hung_up_ && !change_ && appliance_ && now >= next_hang_up_) {
@@ -137,7 +176,7 @@ ReloadOutcome Daemon::finish_reload(Change& change) {
     }
     Configuration before = trial_ ? trial_->before : configuration();
     EpochFiles before_files = trial_ ? trial_->before_files : appliance_->epoch_files();
-    ReloadOutcome outcome = take(std::move(*fresh));
+    ReloadOutcome outcome = take(std::move(fresh->appliance));
     if (!outcome.taken) {
         return outcome;
     }
@@ -145,8 +184,10 @@ ReloadOutcome Daemon::finish_reload(Change& change) {
         log_info("on trial for {} s: without confirmation the daemon goes back",
                  std::chrono::ceil<std::chrono::seconds>(*change.trial).count());
         set_trial(Trial{std::move(before), std::move(before_files),
-                        later(monotonic_now(), *change.trial), ++trials_, change.of_draft});
+                        later(monotonic_now(), *change.trial), ++trials_,
+                        change.of_draft ? std::optional(std::move(fresh->text)) : std::nullopt});
     } else if (trial_ && change.kind == ChangeKind::hang_up) {
+        trial_->draft.reset();
         log_info("still on trial: SIGHUP does not confirm it");
     } else {
         set_trial(std::nullopt);
@@ -156,7 +197,7 @@ ReloadOutcome Daemon::finish_reload(Change& change) {
 }
 
 ReloadOutcome Daemon::finish_going_back(Change& change) {
-    ReloadOutcome outcome = take(std::move(*change.preparation->take()));
+    ReloadOutcome outcome = take(std::move(change.preparation->take()->appliance));
     if (outcome.taken || !appliance_) {
         return outcome;
     }

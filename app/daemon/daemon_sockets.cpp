@@ -34,15 +34,36 @@ tl::expected<std::unique_ptr<DaemonSockets>, std::string> DaemonSockets::open(
     }
     sockets->control_ = std::move(*control);
     sockets->draft_ = draft_file(*path);
-    sockets->control_->add("status", [self = sockets.get()](auto) { return self->status(); });
-    sockets->control_->add("metrics", [self = sockets.get()](auto) { return self->metrics(); });
+    sockets->add_telling(*sockets->control_);
     sockets->control_->add("record",
                            [self = sockets.get()](auto words) { return self->record(words); });
-    sockets->control_->add("recordings",
-                           [self = sockets.get()](auto) { return self->recordings(); });
-    sockets->control_->add("histograms",
-                           [self = sockets.get()](auto) { return self->histograms(); });
+    sockets->open_look_socket(*path);
     return sockets;
+}
+
+/// Without it the daemon runs all the same.
+void DaemonSockets::open_look_socket(const std::string& control) {
+    auto look = ControlServer::open(look_socket(control));
+    if (!look) {
+        log_info("no socket that only tells: {}", look.error());
+        return;
+    }
+    look_ = std::move(*look);
+    look_->tell_only(control);
+    add_telling(*look_);
+    look_->add("record", [this](auto words) {
+        return words.empty() ? error_object(
+                                   "\"record\" begins a recording, and this socket only "
+                                   "tells; allowed here: \"record N\"")
+                             : record(words);
+    });
+}
+
+void DaemonSockets::add_telling(ControlServer& server) {
+    server.add("status", [this](auto) { return status(); });
+    server.add("metrics", [this](auto) { return metrics(); });
+    server.add("recordings", [this](auto) { return recordings(); });
+    server.add("histograms", [this](auto) { return histograms(); });
 }
 
 void DaemonSockets::show(const Appliance& appliance) {
@@ -57,19 +78,24 @@ void DaemonSockets::look() {
 
 std::vector<int> DaemonSockets::descriptors() const {
     std::vector<int> descriptors;
-    if (control_) {
-        descriptors.push_back(control_->descriptor());
+    for (const auto& server : {control_.get(), look_.get()}) {
+        if (server != nullptr) {
+            descriptors.push_back(server->descriptor());
+        }
     }
     return descriptors;
 }
 
 Instant DaemonSockets::due() const {
-    return control_ ? control_->due() : kNever;
+    return std::min(control_ ? control_->due() : kNever, look_ ? look_->due() : kNever);
 }
 
 void DaemonSockets::serve(Instant now) {
     if (control_ && keeper_) {
         control_->serve(now);
+    }
+    if (look_ && keeper_) {
+        look_->serve(now);
     }
 }
 

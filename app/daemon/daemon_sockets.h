@@ -21,7 +21,8 @@ struct ShownTrial {
     Instant end;
 };
 
-/// The control socket of a running daemon, and what its clients see there. Thread-bound to the main
+/// The control socket of a running daemon, the socket that only tells, and what clients see there.
+/// Thread-bound to the main
 /// thread, which waits for `descriptors` and `due`; no function here waits.
 class DaemonSockets {
   public:
@@ -49,14 +50,20 @@ class DaemonSockets {
     /// Serves all clients, without waiting.
     void serve(Instant now);
     /// True if somebody may read measurements of the machine.
-    bool watched() const { return control_ && control_->watched(); }
+    bool watched() const {
+        return (control_ && control_->watched()) || (look_ && look_->watched());
+    }
     /// Null if the daemon runs without a control socket.
     ControlServer* control() { return control_.get(); }
+    /// For who may look but not change (`look_socket`). Null if the daemon runs without it.
+    ControlServer* look_only() { return look_.get(); }
     /// The file from which a draft is read. Empty without a control socket.
     const std::string& draft() const { return draft_; }
 
   private:
     explicit DaemonSockets(Instant started) : started_(started) {}
+    void open_look_socket(const std::string& control);
+    void add_telling(ControlServer& server);
     std::string status();
     std::string metrics() const;
     StatusReport report() const;
@@ -71,6 +78,7 @@ class DaemonSockets {
     std::string fingerprint_;  ///< of the configuration that runs; empty until somebody asks
     std::string draft_;
     std::unique_ptr<ControlServer> control_;
+    std::unique_ptr<ControlServer> look_;
 };
 
 }  // namespace tribus

@@ -69,27 +69,47 @@ std::unique_ptr<Preparation> Preparation::begin(std::function<Result()> prepare)
     return std::unique_ptr<Preparation>(new Preparation(std::move(work)));
 }
 
+Preparation::Result Preparation::appliance_of(std::string text, const std::string& path) {
+    auto configuration = load_configuration_draft(text, path);
+    if (!configuration) {
+        return tl::unexpected(std::move(configuration.error()));
+    }
+    if (auto mistakes = mistaken_processor(*configuration, configured_processors());
+        !mistakes.empty()) {
+        return tl::unexpected(std::move(mistakes));
+    }
+    return Prepared{build_with_files(std::move(*configuration)), std::move(text)};
+}
+
 std::unique_ptr<Preparation> Preparation::of_file(const std::string& path) {
-    return of_draft(path, path);
+    return begin([path]() -> Result {
+        return read_configuration_text(path, FileKinds::regular).and_then([&](std::string text) {
+            return appliance_of(std::move(text), path);
+        });
+    });
 }
 
 std::unique_ptr<Preparation> Preparation::of_draft(const std::string& draft,
                                                    const std::string& path) {
     return begin([draft, path]() -> Result {
-        auto configuration = load_configuration_draft(draft, path, FileKinds::regular);
-        if (!configuration) {
-            return tl::unexpected(std::move(configuration.error()));
-        }
-        if (auto mistakes = mistaken_processor(*configuration, configured_processors());
-            !mistakes.empty()) {
-            return tl::unexpected(std::move(mistakes));
-        }
-        return build_with_files(std::move(*configuration));
+        return read_configuration_text(draft, FileKinds::draft).and_then([&](std::string text) {
+            return appliance_of(std::move(text), path);
+        });
+    });
+}
+
+std::unique_ptr<Preparation> Preparation::of_text(const std::string& path) {
+    return begin([path]() -> Result {
+        return read_configuration_text(path, FileKinds::regular).map([](std::string text) {
+            return Prepared{.appliance = nullptr, .text = std::move(text)};
+        });
     });
 }
 
 std::unique_ptr<Preparation> Preparation::of(const Configuration& configuration) {
-    return begin([configuration]() -> Result { return build_with_files(configuration); });
+    return begin([configuration]() -> Result {
+        return Prepared{.appliance = build_with_files(configuration), .text = {}};
+    });
 }
 
 Preparation::~Preparation() = default;

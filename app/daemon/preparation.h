@@ -13,17 +13,26 @@
 
 namespace tribus {
 
+/// What a Preparation yields.
+struct Prepared {
+    std::unique_ptr<Appliance> appliance;  ///< null if only a text was asked for
+    std::string text;                      ///< as read; empty if none was
+};
+
 /// Reads a configuration, builds an appliance from it and opens its files on another thread, so
 /// that neither a file of 11 MB nor a disk that does not answer stops the main thread. Thread-bound
 /// to the main thread.
 class Preparation {
   public:
-    using Result = tl::expected<std::unique_ptr<Appliance>, std::vector<Mistake>>;
+    using Result = tl::expected<Prepared, std::vector<Mistake>>;
 
     /// Reads the file as it is now.
     static std::unique_ptr<Preparation> of_file(const std::string& path);
-    /// Reads the text of `draft` as if it stood in `path`.
+    /// Reads the text of `draft` as if it stood in `path`. Follows no link: others than root may
+    /// write drafts, and a message could show what the daemon may read and they may not.
     static std::unique_ptr<Preparation> of_draft(const std::string& draft, const std::string& path);
+    /// Only reads the text of the file as it is now.
+    static std::unique_ptr<Preparation> of_text(const std::string& path);
     /// Builds an appliance from a configuration that was read before.
     static std::unique_ptr<Preparation> of(const Configuration& configuration);
     Preparation(const Preparation&) = delete;
@@ -44,6 +53,7 @@ class Preparation {
   private:
     struct Work;
     explicit Preparation(std::shared_ptr<Work> work) : work_(std::move(work)) {}
+    static Result appliance_of(std::string text, const std::string& path);
     static std::unique_ptr<Preparation> begin(std::function<Result()> prepare);
     static void* main(void* given);
 

@@ -117,6 +117,9 @@ int run(const RunOptions& options) {
     if (ControlServer* const control = (*sockets)->control()) {
         add_control_requests(*control, daemon);
     }
+    if (ControlServer* const look = (*sockets)->look_only()) {
+        add_telling_requests(*look, daemon);
+    }
     daemon.start(std::move(*configuration));
     return run(daemon, *wait, **sockets);
 }

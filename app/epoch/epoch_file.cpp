@@ -24,6 +24,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/memory_filesystem.h"
+#include "app/cli/new_file.h"
 #include "app/cli/replace_file.h"
 #include "app/journal/log.h"
 #include "config/language/read_file.h"
@@ -203,7 +204,14 @@ tl::expected<void, std::string> EpochFile::open(SettingScope way) {
 
 tl::expected<void, std::string> EpochFile::lock() {
     const std::string name = path_ + ".lock";
-    lock_.reset(::open(name.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, kOwnerOnly));
+    // One that root makes is for the service too, which has the folder.
+    lock_.reset(
+        ::open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kOwnerOnly));
+    if (lock_.valid()) {
+        give_to_owner(folder_of(name).get(), lock_.get());
+    } else if (errno == EEXIST) {
+        lock_.reset(::open(name.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+    }
     if (!lock_.valid()) {
         return tl::unexpected(fmt::format("cannot write {}: {}", name, std::strerror(errno)));
     }

@@ -217,10 +217,10 @@ int compare_files(const DiffOptions& options) {
 /// If several daemons run, takes the one with the name of the file.
 tl::expected<std::string, std::string> daemon_of(const DiffOptions& options) {
     if (options.socket || !options.daemon.empty()) {
-        return find_daemon(options.daemon, options.socket);
+        return find_daemon(options.daemon, options.socket, Wants::look);
     }
-    auto namesake = find_daemon(options.first, std::nullopt);
-    return namesake ? namesake : find_daemon("", std::nullopt);
+    auto namesake = find_daemon(options.first, std::nullopt, Wants::look);
+    return namesake ? namesake : find_daemon("", std::nullopt, Wants::look);
 }
 
 int compare_with_daemon(const DiffOptions& options) {

@@ -1,16 +1,14 @@
 #include "app/inspect/reload.h"
 
-#include <fcntl.h>
 #include <poll.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,17 +20,16 @@
 #include "app/cli/complain.h"
 #include "app/cli/exit_status.h"
 #include "app/cli/main_wait.h"
-#include "app/cli/replace_file.h"
 #include "app/cli/streams.h"
 #include "app/client/ask_daemon.h"
 #include "app/client/control_socket.h"
+#include "app/client/draft.h"
 #include "app/client/status_fields.h"
 #include "app/journal/print_error.h"
 #include "config/language/read_document.h"
 #include "config/language/read_file.h"
 #include "core/quantity.h"
 #include "pipelines/realtime/clock.h"
-#include "transports/links/unique_fd.h"
 
 namespace tribus {
 namespace {
@@ -69,25 +66,6 @@ int ask_and_tell(const std::string& socket, const std::string& request, const ch
     return done ? kExitFine : kExitFailed;
 }
 
-/// Writes `text` beside the control socket, where the daemon reads drafts. The daemon's user owns
-/// that place and may be another one than this program's, root for example: so nothing there is
-/// followed, neither what the daemon answers nor a symbolic link.
-bool write_draft_for(const std::string& socket, std::string_view text) {
-    constexpr mode_t kReadByItsDaemon = 0644;
-    const std::filesystem::path file(draft_file(socket));
-    const std::string name = file.filename();
-    const UniqueFd folder(
-        ::open(file.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
-    if (!folder.valid()) {
-        return false;
-    }
-    ::unlinkat(folder.get(), name.c_str(), 0);
-    const UniqueFd out(::openat(folder.get(), name.c_str(),
-                                O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC,
-                                kReadByItsDaemon));
-    return out.valid() && ::fchmod(out.get(), kReadByItsDaemon) == 0 && write_all(out.get(), text);
-}
-
 /// Gives the daemon the text of `file` as its draft. The error is a sentence.
 tl::expected<void, std::string> hand_draft_over(const std::string& socket,
                                                 const std::string& file) {
@@ -98,7 +76,7 @@ tl::expected<void, std::string> hand_draft_over(const std::string& socket,
     if (const auto made = ask_daemon(socket, "draft", kReloadPatience); !made) {
         return tl::unexpected(made.error());
     }
-    if (!write_draft_for(socket, *text)) {
+    if (!write_draft(socket, *text)) {
         return tl::unexpected(
             fmt::format("{}: cannot be written: {}", draft_file(socket), std::strerror(errno)));
     }
@@ -122,26 +100,42 @@ Choice ask_person(MainWait& wait, Instant end) {
     return Choice::too_late;
 }
 
+/// What has to be done before a draft can be kept: this program may have other rights than whoever
+/// may write that file, and does not write where a daemon says.
+std::string before_keeping(const ReloadOptions& options) {
+    return options.draft ? fmt::format("copy {} into the daemon's own file, then ", *options.draft)
+                         : "";
+}
+
 /// `number`: " 7", the number of the daemon's trial; empty if the daemon does not number trials.
 int watch_trial(const std::string& socket, const ReloadOptions& options, Duration trial,
                 const std::string& number) {
     if (::isatty(STDIN_FILENO) == 0) {
-        print_error("tribus: goes back in {}; `tribus reload{}{} --confirm` keeps it\n",
-                    options.trial, options.name.empty() ? "" : " ", options.name);
+        print_error("tribus: goes back in {}; {}`tribus reload{}{} --confirm` keeps it\n",
+                    options.trial, before_keeping(options), options.name.empty() ? "" : " ",
+                    options.name);
         return kExitFine;
     }
     const Instant end = later(monotonic_now(), trial);
     auto wait = MainWait::for_signals({SIGINT, SIGTERM, SIGHUP});
+    std::string question = before_keeping(options) + "Enter keeps it";
+    question.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(question[0])));
     tell_person(
-        fmt::format("Enter keeps it; Ctrl-C, or no answer within {}, goes back:", options.trial));
-    switch (wait ? ask_person(*wait, end) : Choice::back) {
-        case Choice::keep:
-            return ask_and_tell(socket, "confirm" + number, "confirmed");
-        case Choice::back:
+        fmt::format("{}; Ctrl-C, or no answer within {}, goes back:", question, options.trial));
+    for (;;) {
+        const Choice choice = wait ? ask_person(*wait, end) : Choice::back;
+        if (choice == Choice::too_late) {
+            break;
+        }
+        if (choice == Choice::back) {
             print_error("\n");
             return ask_and_tell(socket, "back" + number, "the configuration before is back");
-        case Choice::too_late:
-            break;
+        }
+        const int kept = ask_and_tell(socket, "confirm" + number, "confirmed");
+        // Whoever has not copied the draft yet may still do so.
+        if (kept == kExitFine || !options.draft) {
+            return kept;
+        }
     }
     print_error("\ntribus: not confirmed; the configuration before is back\n");
     return kExitFailed;
@@ -199,7 +193,8 @@ Command reload_command() {
                      .value_name = "DURATION"},
                     {.name = "--draft",
                      .value = &options->draft,
-                     .help = "Try the text of this file; the daemon's own file stays as it is",
+                     .help = "Try the text of this file; the daemon's own file stays as it is, and "
+                             "must have the same text before the trial can be confirmed",
                      .value_name = "FILE",
                      .needs = {"--trial"}},
                     {.name = "--confirm",

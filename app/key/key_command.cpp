@@ -26,13 +26,12 @@ int make(const KeyOptions& options) {
     }
     fmt::print("{}: a new key, fingerprint {}\n", options.file, fingerprint(made->secret));
     if (made->service_reads) {
-        fmt::print("Its owner and the group {}, which is the service, may read it.\n",
-                   kServiceGroup);
+        fmt::print("Its owner and the group {}, which the service has, may read it.\n", kKeyGroup);
     } else {
         fmt::print(
             "Only its owner may read it. For the service: sudo chgrp {} {}; "
             "sudo chmod 0640 {}\n",
-            kServiceGroup, options.file, options.file);
+            kKeyGroup, options.file, options.file);
     }
     fmt::print(
         "Both ends of a link need this file. Copy it on a way that nobody else can read, "

@@ -35,7 +35,7 @@ std::string digits_of(std::span<const std::uint8_t> bytes) {
 
 /// Lets the service read the file, as far as this user may do that and the machine has the service.
 bool give_to_service(int file) {
-    const struct group* group = ::getgrnam(std::string(kServiceGroup).c_str());
+    const struct group* group = ::getgrnam(std::string(kKeyGroup).c_str());
     return ::geteuid() == 0 && group != nullptr &&
            ::fchown(file, static_cast<uid_t>(-1), group->gr_gid) == 0 &&
            ::fchmod(file, kOwnerAndGroup) == 0;

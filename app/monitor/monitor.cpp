@@ -179,7 +179,7 @@ int monitor_daemon(const MonitorOptions& options) {
     if (!period) {
         return complain("--period must be a duration such as \"200ms\"", kExitWrongUse);
     }
-    const auto socket = find_daemon(options.name, options.socket);
+    const auto socket = find_daemon(options.name, options.socket, Wants::look);
     if (!socket) {
         return complain(socket.error(), kExitFailed);
     }

@@ -24,8 +24,8 @@ struct BoardOptions {
     std::string version;
 };
 
-/// Watches all daemons of this board by their control sockets, and puts what is to be told into the
-/// outbox. Thread-bound; nothing here waits.
+/// Watches all daemons of this board by their sockets that tell, and puts what is to be told into
+/// the outbox. Thread-bound; nothing here waits.
 class BoardWatch {
   public:
     BoardWatch(BoardOptions options, Outbox& outbox);

@@ -1,7 +1,13 @@
 #include "app/mqtt/broker_place.h"
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
+
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <cstdint>
+#include <cstring>
 #include <string_view>
 
 namespace tribus::mqtt {
@@ -24,8 +30,16 @@ bool is_host(std::string_view text) {
 
 }  // namespace
 
+/// Only an address says where it leads: a name such as 127.example.org may lead anywhere.
 bool BrokerPlace::is_loopback() const {
-    return host == "localhost" || host == "::1" || host.starts_with("127.");
+    constexpr std::uint8_t kLoopbackNet = 127;
+    std::array<std::uint8_t, sizeof(in_addr)> v4{};
+    if (::inet_pton(AF_INET, host.c_str(), v4.data()) == 1) {
+        return v4.front() == kLoopbackNet;
+    }
+    in6_addr v6{};
+    return host == "localhost" || (::inet_pton(AF_INET6, host.c_str(), &v6) == 1 &&
+                                   std::memcmp(&v6, &in6addr_loopback, sizeof v6) == 0);
 }
 
 std::optional<BrokerPlace> parse_broker_place(const std::string& text) {

@@ -126,7 +126,7 @@ int watch(BoardWatch& board, Broker& broker, MainWait& wait) {
     for (;;) {
         const Instant now = monotonic_now();
         if (now >= search) {
-            board.look_for_daemons(find_sockets(SocketDirectories::of_this_process()), now);
+            board.look_for_daemons(find_telling_sockets(SocketDirectories::of_this_process()), now);
             search = later(now, kSearchPeriod);
         }
         board.look(now, wall_time());

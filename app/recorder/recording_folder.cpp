@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/file_error.h"
+#include "app/cli/new_file.h"
 #include "app/recorder/recording_list.h"
 #include "app/replay/capture_text.h"
 #include "transports/links/unique_fd.h"
@@ -272,6 +273,26 @@ fs::path name_in(const fs::path& directory, const RecordingOrder& order) {
     return directory / (number == 0 ? name : fmt::format("{}-{}", name, number + 1));
 }
 
+/// A folder that root makes, by `tribus run` as root, is for the service too if it lies in one of
+/// the service: its parent's owner gets it.
+std::error_code make_directories(const fs::path& directory) {
+    std::error_code error;
+    if (directory.empty() || fs::exists(directory, error)) {
+        return error;
+    }
+    if (const auto failed = make_directories(directory.parent_path())) {
+        return failed;
+    }
+    if (fs::create_directory(directory, error)) {
+        const UniqueFd made(
+            ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+        if (made.valid()) {
+            give_to_owner(folder_of(directory).get(), made.get());
+        }
+    }
+    return error;
+}
+
 }  // namespace
 
 std::string recording_time(Duration wall_time) {
@@ -284,8 +305,7 @@ std::string recording_time(Duration wall_time) {
 }
 
 tl::expected<fs::path, std::string> write_recording(const RecordingOrder& order) {
-    std::error_code error;
-    fs::create_directories(order.directory, error);
+    std::error_code error = make_directories(order.directory);
     if (error) {
         return Failed(fmt::format("{}: {}", order.directory.string(), error.message()));
     }

@@ -154,7 +154,7 @@ class StatusWatch {
 };
 
 int show_status(const StatusOptions& options) {
-    const auto socket = find_daemon(options.name, options.socket);
+    const auto socket = find_daemon(options.name, options.socket, Wants::look);
     if (!socket) {
         return complain(socket.error(), kExitFailed);
     }

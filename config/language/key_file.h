@@ -21,6 +21,12 @@ inline constexpr std::string_view kAllowedKeyFile =
 /// its owner and group. The error is the reason, and shows nothing of what is in the file.
 tl::expected<SecretKey, std::string> read_secret(const std::filesystem::path& path);
 
+/// From now on this process opens no key file: a configuration that names one is read as if it was
+/// there, with another secret. For programs that judge configurations and must not have their keys.
+/// Call it before there are threads.
+void forbid_secrets(bool forbidden = true);
+bool are_secrets_forbidden();
+
 /// Reads the key file that the value names, relative to the folder of the configuration file.
 std::optional<KeyFile> read_key_file(std::string_view key, const Value& value, Mistakes& mistakes);
 

@@ -43,9 +43,14 @@ tl::expected<std::string, std::string> read_file(const std::filesystem::path& pa
                                                  std::size_t most, FileKinds kinds) {
     // Opening a pipe would wait for a writer.
     const int nonblocking = kinds != FileKinds::any ? O_NONBLOCK : 0;
-    const UniqueFd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | nonblocking));
+    const int follow = kinds == FileKinds::draft ? O_NOFOLLOW : 0;
+    const UniqueFd file(
+        ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | nonblocking | follow));
     struct stat told {};
     if (!file.valid() || ::fstat(file.get(), &told) != 0) {
+        if (errno == ELOOP && kinds == FileKinds::draft) {
+            return Failed("it is a symbolic link");
+        }
         return Failed(std::strerror(errno));
     }
     if (S_ISDIR(told.st_mode)) {
@@ -53,6 +58,9 @@ tl::expected<std::string, std::string> read_file(const std::filesystem::path& pa
     }
     if (kinds != FileKinds::any && !S_ISREG(told.st_mode)) {
         return Failed("it is a device or a pipe, not a file");
+    }
+    if (kinds == FileKinds::draft && told.st_nlink != 1) {
+        return Failed("it has another name too");
     }
     if (kinds == FileKinds::secret && (told.st_mode & S_IRWXO) != 0) {
         return Failed(fmt::format("its mode {:o} lets others use it; run: chmod o= {}",

@@ -12,6 +12,7 @@ namespace tribus {
 enum class FileKinds : std::uint8_t {
     regular,  ///< anything but a regular file is refused, without waiting for it
     secret,   ///< as `regular`, and one that others than its owner and group may use is refused
+    draft,    ///< as `regular`, and neither a link nor a file that has another name too
     any,      ///< a pipe, such as /dev/stdin, is read to its end
 };
 

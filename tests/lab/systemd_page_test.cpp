@@ -46,7 +46,8 @@ TEST_F(InstalledPage, StartsWhenSomebodyAsksAndHasAUserOfItsOwn) {
 
 TEST_F(InstalledPage, HasUnitsThatAreRightAndClosed) {
     EXPECT_EQ(shell("systemd-analyze verify --man=no tribus-web.socket tribus-web.service "
-                    "tribus-ports.socket tribus-ports@0.service"),
+                    "tribus-ports.socket tribus-ports@0.service tribus-pairing.service "
+                    "tribus-pairing.path tribus-pairing.timer tribus-mqtt.service"),
               "");
     shell("systemd-analyze security --no-pager --threshold=20 tribus-ports@0.service");
     shell("systemd-analyze security --no-pager --threshold=15 tribus-web.service");
@@ -76,6 +77,24 @@ TEST_F(InstalledPage, KeepsADraftThatWasTriedSoThatTheDaemonCanReadIt) {
     EXPECT_EQ(shell("stat -c %U:%G:%a /etc/tribus/servos.toml"), "tribus-web:tribus:640\n");
     shell("systemctl restart " + kUnit);
     EXPECT_TRUE(carries(1200, 1800)) << journal();
+}
+
+TEST_F(InstalledPage, MayWriteNoConfigurationAnyMoreWhenItsLastBrowserLeaves) {
+    const std::string before = shell("stat -c %G:%a /etc/tribus");
+    const Browser browser = paired();
+    EXPECT_EQ(shell("stat -c %G:%a /etc/tribus"), "tribus-web:775\n");
+    EXPECT_EQ(browser.post("/leave", nlohmann::json::object()).status, 200);
+    EXPECT_TRUE(in_time([&] { return shell("stat -c %G:%a /etc/tribus") == before; }));
+}
+
+TEST_F(InstalledPage, AsksASocketThatOnlyTellsAndReadsNoKey) {
+    EXPECT_TRUE(carries(1200, 1200)) << journal();
+    EXPECT_EQ(shell("stat -c %U:%G:%a /run/tribus-look/servos.look"), "tribus:tribus-look:660\n");
+    EXPECT_EQ(
+        shell("runuser -u nobody -g nogroup -G tribus-look -- tribus status servos | head -c 6"),
+        "servos");
+    EXPECT_NE(
+        run_shell("runuser -u nobody -g nogroup -G tribus-look -- tribus reload servos").status, 0);
 }
 
 /// The package gives the page no right to write configurations; `tribus pair` does.
@@ -132,10 +151,13 @@ class PageSandbox : public testing::Test {
   protected:
     static void SetUpTestSuite() {
         install();
+        shell("install -d /etc/tribus/keys");
         tried_.emplace("tribus-web.service", "", "/var/lib/tribus-web/tried",
                        "try serial 'head -c 1 /dev/ttyS0'\n"
                        "try others 'ls -d /proc/1'\n"
+                       "try keys 'ls /etc/tribus/keys'\n"
                        "try realtime 'chrt -f 1 true'\n");
+        shell("rmdir /etc/tribus/keys");
     }
 
     static inline std::optional<TriedSandbox> tried_;
@@ -151,6 +173,10 @@ TEST_F(PageSandbox, SeesNothingOfHomesAndOtherProcesses) {
     EXPECT_TRUE(tried_->says("home", "cat: ")) << tried_->of("home");
     EXPECT_FALSE(tried_->says("home", "treasure")) << tried_->of("home");
     EXPECT_TRUE(tried_->says("others", "No such file")) << tried_->of("others");
+}
+
+TEST_F(PageSandbox, SeesNoKeys) {
+    EXPECT_TRUE(tried_->says("keys", "Permission denied")) << tried_->of("keys");
 }
 
 TEST_F(PageSandbox, WritesNowhereButIntoItsFolders) {

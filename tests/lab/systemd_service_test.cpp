@@ -90,7 +90,7 @@ TEST_F(KeyOfTheService, IsRefusedWithItsPlaceUntilTheServiceMayReadIt) {
                                      "\": Permission denied"),
               std::string::npos)
         << journal();
-    shell("chgrp tribus " + kFile + "; chmod 640 " + kFile);
+    shell("chgrp tribus-keys " + kFile + "; chmod 640 " + kFile);
     EXPECT_TRUE(becomes("ActiveState", "active")) << journal();
 }
 

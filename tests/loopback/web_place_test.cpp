@@ -4,9 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -14,6 +19,8 @@
 #include <nlohmann/json.hpp>
 
 #include "app/client/control_socket.h"
+#include "app/daemon/control_server.h"
+#include "pipelines/realtime/clock.h"
 #include "tests/loopback/web.h"
 
 /// Places of the page: where it listens, and the files that it writes.
@@ -63,34 +70,150 @@ TEST_F(WebPlace, AnAddressThatTheNetworkCanReachNeedsToBeAllowed) {
     }
 }
 
-TEST_F(WebPlace, ThePageMayWriteConfigurationsWhileABrowserMayChangeThem) {
-    if (::geteuid() != 0) {
-        GTEST_SKIP() << "only root gives a folder a group";
+/// A folder of configurations of the group of somebody else, and the page of another user.
+class PageThatWrites : public Web {
+  protected:
+    static constexpr uid_t kPage = 65534;
+    static constexpr gid_t kBefore = 12345;
+
+    void SetUp() override {
+        if (::geteuid() != 0) {
+            GTEST_SKIP() << "only root gives a folder a group";
+        }
+        std::filesystem::create_directory(configurations_);
+        ASSERT_EQ(::chown(configurations_.c_str(), 0, kBefore), 0);
+        ASSERT_EQ(::chmod(configurations_.c_str(), 0750), 0);
+        serve();
+        ASSERT_EQ(::chown((folder() / "state").c_str(), kPage, kPage), 0);
     }
-    constexpr uid_t kPage = 65534;
-    const std::filesystem::path configurations = folder() / "configurations";
-    std::filesystem::create_directory(configurations);
-    ASSERT_EQ(::chmod(configurations.c_str(), 0755), 0);
-    serve();
-    ASSERT_EQ(::chown((folder() / "state").c_str(), kPage, kPage), 0);
-    const auto place = [&] {
+    std::pair<gid_t, unsigned> place() const {
         struct stat found {};
-        EXPECT_EQ(::stat(configurations.c_str(), &found), 0);
-        return std::pair(found.st_gid, found.st_mode & 0777U);
-    };
-    const auto pair = [&](std::vector<std::string> more) {
-        more.insert(more.end(), {"--configurations", configurations});
-        Browser browser(port_);
-        EXPECT_EQ(browser.pair(code(more)).status, 200);
-    };
+        EXPECT_EQ(::stat(configurations_.c_str(), &found), 0);
+        return {found.st_gid, found.st_mode & 0777U};
+    }
+    std::vector<std::string> with_folder(std::vector<std::string> more = {}) const {
+        more.insert(more.end(), {"--configurations", configurations_});
+        return more;
+    }
+    Browser paired_here(std::vector<std::string> more = {}) {
+        return paired(with_folder(std::move(more)));
+    }
+    int pair(std::vector<std::string> more) {
+        more.insert(more.begin(), {"pair", "--state", folder() / "state"});
+        Program& program = start(with_folder(std::move(more)));
+        EXPECT_EQ(program.end(), 0) << program.errors();
+        return 0;
+    }
+    std::string sessions() const { return folder() / "state/sessions.json"; }
+
+    std::filesystem::path configurations_ = folder() / "configurations";
+    const std::pair<gid_t, unsigned> open_{kPage, 0770U};
+    const std::pair<gid_t, unsigned> closed_{kBefore, 0750U};
+};
+
+TEST_F(PageThatWrites, BeginsWithABrowserThatMayChangeAndEndsWhenItIsRevoked) {
+    paired_here({"--look"});
+    EXPECT_EQ(place(), closed_);
+    paired_here();
+    EXPECT_EQ(place(), open_);
+    paired_here();
+    pair({"--close"});
+    EXPECT_EQ(place(), open_) << "somebody may change";
+    pair({"--revoke", "browser"});
+    EXPECT_EQ(place(), closed_);
+}
+
+TEST_F(PageThatWrites, EndsWhenItsLastBrowserLeaves) {
+    const Browser browser = paired_here();
+    EXPECT_EQ(browser.post("/leave", json::object()).status, 200);
+    pair({"--close"});
+    EXPECT_EQ(place(), closed_);
+}
+
+TEST_F(PageThatWrites, EndsWhenItsLastBrowserHasExpired) {
+    paired_here();
+    std::ifstream in(sessions());
+    json all = json::parse(in);
+    all[0]["made"] = all[0]["made"].get<std::int64_t>() - 90 * 24 * 3600;
+    std::ofstream(sessions()) << all;
+    pair({"--close"});
+    EXPECT_EQ(place(), closed_);
+}
+
+TEST_F(PageThatWrites, EndsWhenItsFileIsGoneOrNoFile) {
+    paired_here();
+    std::filesystem::remove(sessions());
+    pair({"--close"});
+    EXPECT_EQ(place(), closed_);
+    paired_here();
+    std::filesystem::remove(sessions());
+    ASSERT_EQ(::mkfifo(sessions().c_str(), 0666), 0);
+    pair({"--close"});
+    EXPECT_EQ(place(), closed_);
+}
+
+TEST_F(PageThatWrites, EndsWithACodeThatNobodyUsed) {
+    code(with_folder());
+    EXPECT_EQ(place(), open_);
     pair({"--look"});
-    EXPECT_EQ(place(), std::pair(gid_t{0}, 0755U));
-    pair({});
-    EXPECT_EQ(place(), std::pair(gid_t{kPage}, 0775U));
-    Program& revoke = start({"pair", "--state", folder() / "state", "--revoke", "browser",
-                             "--configurations", configurations});
-    EXPECT_EQ(revoke.end(), 0) << revoke.errors();
-    EXPECT_EQ(place(), std::pair(gid_t{kPage}, 0755U));
+    EXPECT_EQ(place(), closed_) << "the new code may only look";
+    code(with_folder());
+    std::filesystem::remove(folder() / "state/code.json");
+    pair({"--close"});
+    EXPECT_EQ(place(), closed_);
+}
+
+/// What the page wrote there is not believed.
+TEST_F(PageThatWrites, EndsAsThePackageMadeItWhereNothingWasKept) {
+    paired_here();
+    const std::string kept = folder() / "state.before";
+    ASSERT_TRUE(std::filesystem::exists(kept));
+    std::ofstream(kept) << kPage << " 777";
+    ASSERT_EQ(::chown(kept.c_str(), kPage, kPage), 0);
+    pair({"--revoke", "browser"});
+    EXPECT_EQ(place(), std::pair(gid_t{0}, 0750U));
+}
+
+/// A daemon that somebody took over names another file for the draft.
+TEST_F(WebPlace, ADraftIsWrittenBesideTheSocketWhateverTheDaemonSays) {
+    write_config(main_job(kPatientInput), name() + ".toml");
+    const std::string elsewhere = folder() / "elsewhere";
+    auto control = ControlServer::open(folder() / "control");
+    ASSERT_TRUE(control) << control.error();
+    std::filesystem::create_directory(folder() / "draft");
+    (*control)->add("draft", [&](auto) {
+        return json{{"type", "draft"}, {"file", elsewhere}}.dump();
+    });
+    (*control)->add("reload", [](auto) {
+        return json{{"type", "outcome"}, {"taken", true}, {"lines", json::array()}, {"trial", 1}}
+            .dump();
+    });
+    std::atomic<bool> ends{false};
+    std::thread serves([&] {
+        while (!ends) {
+            (*control)->serve(monotonic_now());
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+    });
+    serve();
+    const BrowserAnswer tried = try_reversed(paired());
+    ends = true;
+    serves.join();
+    EXPECT_EQ(tried.status, 200) << tried.content;
+    EXPECT_FALSE(std::filesystem::exists(elsewhere));
+    EXPECT_TRUE(std::filesystem::exists(folder() / "draft/draft.toml"));
+}
+
+/// The page has no key: it judges a configuration as if its key files were there.
+TEST_F(WebPlace, AConfigurationWithAKeyIsJudgedWithoutTheKey) {
+    write_config(
+        "[input.shore]\nprotocol = \"network\"\naddress = \"127.0.0.1:5700\"\n"
+        "key = \"/nowhere/boat.key\"\n[output.servos]\nprotocol = \"sbus\"\n"
+        "device = \"@servos\"\n[pipeline.main]\nfrom = \"shore\"\nto = \"servos\"\n",
+        name() + ".toml");
+    serve();
+    const BrowserAnswer judged = post(paired(), "check", {{"toml", content()}});
+    EXPECT_EQ(judged.json()["mistakes"], json::array()) << judged.content;
 }
 
 TEST_F(WebPlace, MetricsOfAllDaemonsNeedNoPairingButToBeSwitchedOn) {

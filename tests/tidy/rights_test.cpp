@@ -42,18 +42,26 @@ std::vector<Rule> rules() {
     return found;
 }
 
-/// Groups of a unit's processes, without drop-ins.
-std::set<std::string> groups_of(const std::string& unit) {
-    std::istringstream lines(source_text("deploy/systemd/" + unit));
-    std::set<std::string> groups;
+/// The words of settings of a unit, without drop-ins. `names`: as in a regular expression.
+std::set<std::string> words_of(const std::string& unit, const std::string& names) {
+    const std::string folder = unit == "tribus-mqtt.service" ? "deploy/mqtt/" : "deploy/systemd/";
+    std::istringstream lines(source_text(folder + unit));
+    std::set<std::string> found;
     for (std::string line; std::getline(lines, line);) {
-        std::istringstream words(first_match(line, "^(?:Group|SupplementaryGroups)=(.*)$"));
+        std::istringstream words(first_match(line, "^(?:" + names + ")=(.*)$"));
         for (std::string word; words >> word;) {
-            groups.insert(word);
+            found.insert(word);
         }
     }
-    return groups;
+    return found;
 }
+
+/// Groups of a unit's processes.
+std::set<std::string> groups_of(const std::string& unit) {
+    return words_of(unit, "Group|SupplementaryGroups");
+}
+
+using Words = std::set<std::string>;
 
 /// The lines of a page, which is where a table has its rows, that have all of these words.
 bool has_row(const std::string& page, const std::vector<std::string>& words) {
@@ -102,6 +110,39 @@ TEST(Rights, ToAVirtualKeyboardAreOfAGroupThatNoUnitHas) {
                   .find("DeviceAllow=/dev/uinput rw\nSupplementaryGroups=" + uinput->group + "\n"),
               std::string::npos)
         << "the drop-in for a joystick";
+}
+
+/// It talks to the network: no control socket, no key, no recording.
+TEST(Rights, OfTheBridgeAreToBeTold) {
+    const std::string unit = "tribus-mqtt.service";
+    EXPECT_EQ(groups_of(unit), Words({"tribus-look"}));
+    EXPECT_EQ(words_of(unit, "User"), Words({"tribus-mqtt"}));
+    EXPECT_EQ(words_of(unit, "InaccessiblePaths"),
+              Words({"-/etc/tribus", "-/run/tribus", "-/run/tribus-ports", "-/var/lib/tribus",
+                     "-/var/lib/tribus-web"}));
+}
+
+TEST(Rights, ToKeysAreOfTheDaemonAndOfWhatReadsItsConfigurationForIt) {
+    const std::string keys = "tribus-keys";
+    EXPECT_TRUE(groups_of("tribus@.service").contains(keys));
+    EXPECT_TRUE(groups_of("tribus-ports@.service").contains(keys));
+    EXPECT_FALSE(groups_of("tribus-web.service").contains(keys));
+    EXPECT_EQ(words_of("tribus-web.service", "InaccessiblePaths"), Words({"-/etc/tribus/keys"}));
+    EXPECT_TRUE(has_row("docs/security.md", {"| group `" + keys + "`"}));
+}
+
+/// The folder gives its group to what daemons make in it, which they cannot do themselves.
+TEST(Rights, ToLookAreThoseOfAGroupWithItsOwnFolder) {
+    const std::string made = source_text("deploy/sysusers/tribus.conf");
+    EXPECT_NE(made.find("\ng tribus-look "), std::string::npos);
+    EXPECT_NE(made.find("\ng tribus-keys "), std::string::npos);
+    EXPECT_NE(source_text("deploy/tmpfiles/tribus.conf")
+                  .find("\nd /run/tribus-look 2750 tribus tribus-look -\n"),
+              std::string::npos);
+    EXPECT_TRUE(words_of("tribus@.service", "ReadWritePaths").contains("-/run/tribus-look"));
+    EXPECT_FALSE(words_of("tribus-web.service", "ReadWritePaths").contains("-/run/tribus-look"));
+    EXPECT_TRUE(groups_of("tribus-web.service").contains("tribus-look"));
+    EXPECT_TRUE(has_row("docs/security.md", {"| group `tribus-look`", "/run/tribus-look"}));
 }
 
 TEST(Rights, ToAVirtualJoystickAreSaidByDoctorAsTheRuleGivesThem) {

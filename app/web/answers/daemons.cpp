@@ -33,13 +33,19 @@ std::vector<KnownDaemon> known_daemons(const fs::path& folder) {
          !error && at != end && known.size() < kMostConfigurations; at.increment(error)) {
         if (is_configuration(*at)) {
             const std::string name = at->path().stem().string();
-            known[name] = {.name = name, .socket = {}, .file = at->path()};
+            known[name] = {.name = name, .tells = {}, .control = {}, .file = at->path()};
         }
     }
-    for (const FoundSocket& found : find_sockets(SocketDirectories::of_this_process())) {
+    const SocketDirectories directories = SocketDirectories::of_this_process();
+    for (const FoundSocket& found : find_telling_sockets(directories)) {
         KnownDaemon& one = known[found.name];
         one.name = found.name;
-        one.socket = found.path;
+        one.tells = found.path;
+    }
+    for (const FoundSocket& found : find_sockets(directories)) {
+        if (const auto one = known.find(found.name); one != known.end()) {
+            one->second.control = found.path;
+        }
     }
     std::vector<KnownDaemon> daemons;
     daemons.reserve(known.size());

@@ -14,14 +14,15 @@
 #include "app/web/answers/line_talk.h"
 #include "core/time.h"
 
-/// The daemons of this board, as the page sees them: by their control sockets, and by the
+/// The daemons of this board, as the page sees them: by their sockets, and by the
 /// configurations that stand in the folder of configurations. Thread-bound; nothing here waits.
 namespace tribus::web {
 
 /// A daemon that runs, or a configuration that none runs.
 struct KnownDaemon {
     std::string name;
-    std::string socket;  ///< empty: no daemon runs
+    std::string tells;    ///< socket of a daemon for who only looks; empty: none runs
+    std::string control;  ///< for who may change; empty: none runs, or it is not for this user
     std::filesystem::path file;
 };
 

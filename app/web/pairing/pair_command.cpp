@@ -1,12 +1,8 @@
 #include "app/web/pairing/pair_command.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,15 +13,13 @@
 #include "app/cli/complain.h"
 #include "app/cli/exit_status.h"
 #include "app/cli/streams.h"
+#include "app/web/pairing/page_folder.h"
 #include "app/web/pairing/pairing.h"
 #include "config/show/paragraph.h"
 #include "pipelines/realtime/clock.h"
-#include "transports/links/unique_fd.h"
 
 namespace tribus::web {
 namespace {
-
-constexpr mode_t kPermissions = 07777;
 
 struct PairOptions {
     std::string state = "/var/lib/tribus-web";
@@ -33,6 +27,7 @@ struct PairOptions {
     std::optional<std::string> revoke;
     bool list = false;
     bool look = false;
+    bool close = false;
 };
 
 int list(const PairingFolder& folder) {
@@ -50,26 +45,14 @@ int list(const PairingFolder& folder) {
     return kExitFine;
 }
 
-/// A browser that may change configurations needs a page that may write them: the folder gets the
-/// group of the page's folder, and the group may write there until no such browser is left. Only
-/// root can do that, and only where the package is installed.
-bool set_page_writes(const PairOptions& options, bool writes) {
-    struct stat page {};
-    if (::geteuid() != 0 || ::stat(options.state.c_str(), &page) != 0 || page.st_uid == 0) {
-        return true;
+/// If no browser may change anything, nor by a code, the page has no more to write.
+int close_if_unused(const PairingFolder& folder, const PairOptions& options, WallTime now) {
+    if (folder.lets_change(now)) {
+        return kExitFine;
     }
-    const UniqueFd folder(
-        ::open(options.configurations.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
-    struct stat before {};
-    if (!folder.valid() || ::fstat(folder.get(), &before) != 0) {
-        return false;
-    }
-    const mode_t mode = before.st_mode & kPermissions;
-    if (!writes) {
-        return before.st_gid != page.st_gid || ::fchmod(folder.get(), mode & ~mode_t{S_IWGRP}) == 0;
-    }
-    return ::fchown(folder.get(), static_cast<uid_t>(-1), page.st_gid) == 0 &&
-           ::fchmod(folder.get(), mode | S_IWGRP) == 0;
+    const auto taken = PageFolder{options.configurations, options.state}.take_back();
+    return taken ? kExitFine
+                 : fail("the page still may write there: " + taken.error(), kExitFailed);
 }
 
 int revoke(PairingFolder& folder, const PairOptions& options, WallTime now) {
@@ -84,12 +67,7 @@ int revoke(PairingFolder& folder, const PairOptions& options, WallTime now) {
             kExitFailed);
     }
     fmt::print("{} may use the page no longer\n", name);
-    if (!folder.lets_change(now) && !set_page_writes(options, false)) {
-        return fail(fmt::format("{}: the page still may write there: {}", options.configurations,
-                                std::strerror(errno)),
-                    kExitFailed);
-    }
-    return kExitFine;
+    return close_if_unused(folder, options, now);
 }
 
 int run(const PairOptions& options) {
@@ -101,15 +79,22 @@ int run(const PairOptions& options) {
     if (options.revoke) {
         return revoke(folder, options, now);
     }
+    if (options.close) {
+        return close_if_unused(folder, options, now);
+    }
     const auto code = folder.make_code(options.look ? Role::look : Role::change, now);
     if (!code) {
         return fail(code.error() + "; use sudo, and install the package that has tribus-web",
                     kExitFailed);
     }
-    if (!options.look && !set_page_writes(options, true)) {
-        return fail(fmt::format("{}: the page cannot be allowed to write there: {}",
-                                options.configurations, std::strerror(errno)),
-                    kExitFailed);
+    if (const int closed = options.look ? close_if_unused(folder, options, now) : kExitFine;
+        closed != kExitFine) {
+        return closed;
+    }
+    if (const auto given = options.look ? tl::expected<void, std::string>()
+                                        : PageFolder{options.configurations, options.state}.give();
+        !given) {
+        return fail("the page cannot be allowed to write there: " + given.error(), kExitFailed);
     }
     const auto sentence = [](const std::string& text) {
         return paragraph("", "", text, text_columns(STDOUT_FILENO));
@@ -145,6 +130,11 @@ Command pair_command() {
                      .help = "Name of a browser that may use the page no longer",
                      .value_name = "NAME",
                      .excludes = {"--look", "--list"}},
+                    {.name = "--close",
+                     .value = &options->close,
+                     .help = "Take the folder of the configurations back from the page if no "
+                             "browser may change anything any more; tribus-pairing.service does it",
+                     .excludes = {"--look", "--list", "--revoke"}},
                     {.name = "--state",
                      .value = &options->state,
                      .help = "Folder of the paired browsers",

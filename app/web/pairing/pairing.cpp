@@ -10,12 +10,16 @@
 #include <array>
 #include <cctype>
 #include <cerrno>
+#include <chrono>
+#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "app/cli/file_error.h"
+#include "app/cli/new_file.h"
+#include "app/cli/replace_file.h"
 #include "config/language/read_file.h"
 #include "transports/links/unique_fd.h"
 
@@ -55,16 +59,30 @@ std::string plain_name(std::string_view name) {
     return plain.empty() ? "browser" : plain;
 }
 
-/// Held while the files are read and written.
+/// Held while the files are read and written, which takes milliseconds. Whoever holds it for longer
+/// hangs, or is not the page any more: nobody waits for them.
 class FolderLock {
   public:
     static tl::expected<FolderLock, std::string> take(const fs::path& folder) {
+        constexpr int kTries = 200;
+        constexpr std::chrono::milliseconds kPause{10};
         FolderLock lock;
         lock.folder_ = UniqueFd(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-        if (!lock.folder_.valid() || ::flock(lock.folder_.get(), LOCK_EX) != 0) {
-            return file_error(folder, errno);
+        for (int i = 0; lock.folder_.valid() && i < kTries; ++i) {
+            if (::flock(lock.folder_.get(), LOCK_EX | LOCK_NB) == 0) {
+                return lock;
+            }
+            if (errno != EWOULDBLOCK && errno != EINTR) {
+                return file_error(folder, errno);
+            }
+            std::this_thread::sleep_for(kPause);
         }
-        return lock;
+        return lock.folder_.valid()
+                   ? Refused(
+                         fmt::format("{}: another program holds it; end that one, for example by "
+                                     "systemctl stop tribus-web",
+                                     folder.string()))
+                   : file_error(folder, errno);
     }
 
   private:
@@ -134,19 +152,15 @@ std::optional<Role> role_of(std::string_view word) {
                             : std::nullopt;
 }
 
-/// The file belongs to the owner of the folder, whoever writes it.
+/// The folder belongs to the page, and root writes here too.
 tl::expected<void, std::string> PairingFolder::write(const fs::path& file,
                                                      const std::string& text) const {
-    const fs::path fresh = file.string() + ".new";
-    const UniqueFd out(::open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC,
-                              kUserAndGroup));
-    struct stat owner {};
-    const bool written =
-        out.valid() && ::stat(folder_.c_str(), &owner) == 0 &&
-        (::geteuid() != 0 || ::fchown(out.get(), owner.st_uid, owner.st_gid) == 0) &&
-        ::write(out.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size()) &&
-        ::fsync(out.get()) == 0 && ::rename(fresh.c_str(), file.c_str()) == 0;
-    if (!written) {
+    const std::string name = file.filename().string();
+    const std::string fresh = name + ".new";
+    const UniqueFd folder = folder_of(file);
+    const UniqueFd out = folder.valid() ? new_file(folder.get(), fresh, kUserAndGroup) : UniqueFd();
+    if (!out.valid() || !write_all(out.get(), text) || ::fsync(out.get()) != 0 ||
+        ::renameat(folder.get(), fresh.c_str(), folder.get(), name.c_str()) != 0) {
         return file_error(file, errno);
     }
     return {};
@@ -175,7 +189,8 @@ tl::expected<std::string, std::string> PairingFolder::make_code(Role role, WallT
     return code;
 }
 
-tl::expected<CodeTried, std::string> PairingFolder::try_code(std::string_view typed, WallTime now) {
+tl::expected<CodeTried, std::string> PairingFolder::try_code(
+    std::string_view typed, WallTime now, const std::optional<JoiningBrowser>& joins) {
     const auto lock = FolderLock::take(folder_);
     if (!lock) {
         return Refused(lock.error());
@@ -188,9 +203,13 @@ tl::expected<CodeTried, std::string> PairingFolder::try_code(std::string_view ty
     const std::int64_t left = is_valid(*json, now) ? number_in(*json, "tries") - 1 : -1;
     const bool right = left >= 0 && plain(typed) == word_in(*json, "code");
     if (right || left <= 0) {
+        const auto role = right ? role_of(word_in(*json, "role")) : std::nullopt;
+        const auto added = role && joins ? add(joins->name, *role, joins->hash, now)
+                                         : tl::expected<void, std::string>();
         std::error_code ignored;
         fs::remove(file, ignored);
-        return CodeTried{right ? role_of(word_in(*json, "role")) : std::nullopt, 0};
+        return added ? tl::expected<CodeTried, std::string>(CodeTried{role, 0})
+                     : Refused(added.error());
     }
     (*json)["tries"] = left;
     if (auto written = write(file, json->dump() + "\n"); !written) {
@@ -202,9 +221,15 @@ tl::expected<CodeTried, std::string> PairingFolder::try_code(std::string_view ty
 tl::expected<void, std::string> PairingFolder::add_session(std::string_view name, Role role,
                                                            std::string hash, WallTime now) {
     const auto lock = FolderLock::take(folder_);
+    return lock ? add(name, role, std::move(hash), now) : Refused(lock.error());
+}
+
+/// Under the lock.
+tl::expected<void, std::string> PairingFolder::add(std::string_view name, Role role,
+                                                   std::string hash, WallTime now) {
     auto all = sessions();
-    if (!lock || !all) {
-        return Refused(!lock ? lock.error() : all.error());
+    if (!all) {
+        return Refused(all.error());
     }
     std::erase_if(*all, [now](const Session& one) { return now - one.made >= kSessionLasts; });
     if (all->size() >= kMostSessions) {
@@ -240,8 +265,8 @@ bool PairingFolder::lets_change(WallTime now) const {
     const auto may = [now](const Session& one) {
         return one.role == Role::change && now - one.made < kSessionLasts;
     };
-    return !all || !code || std::ranges::any_of(*all, may) ||
-           (role_of(word_in(*code, "role")) == Role::change && is_valid(*code, now));
+    return (all && std::ranges::any_of(*all, may)) ||
+           (code && role_of(word_in(*code, "role")) == Role::change && is_valid(*code, now));
 }
 
 tl::expected<void, std::string> PairingFolder::leave(std::string_view hash) {

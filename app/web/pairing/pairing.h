@@ -36,6 +36,12 @@ struct CodeTried {
     int left = 0;              ///< further tries; 0: a new code is needed
 };
 
+/// A browser that has typed a code.
+struct JoiningBrowser {
+    std::string name;
+    std::string hash;  ///< of its cookie
+};
+
 /// The folder with the code and the sessions. Each call reads and writes under a lock, so programs
 /// do not disturb each other; files are replaced as a whole. Errors are sentences.
 class PairingFolder {
@@ -49,8 +55,10 @@ class PairingFolder {
 
     /// Makes a code of 8 signs for one browser. It takes the place of the one before.
     tl::expected<std::string, std::string> make_code(Role role, WallTime now);
-    /// A right code is used up, and a wrong one takes one of its tries.
-    tl::expected<CodeTried, std::string> try_code(std::string_view typed, WallTime now);
+    /// A right code is used up, and a wrong one takes one of its tries. With a right one the
+    /// browser `joins`, before the code goes: in between, `lets_change` must not be false.
+    tl::expected<CodeTried, std::string> try_code(std::string_view typed, WallTime now,
+                                                  const std::optional<JoiningBrowser>& joins = {});
 
     /// Adds a browser. If there are too many, the oldest goes.
     tl::expected<void, std::string> add_session(std::string_view name, Role role, std::string hash,
@@ -61,12 +69,15 @@ class PairingFolder {
     /// Removes the browser whose cookie has that hash.
     tl::expected<void, std::string> leave(std::string_view hash);
 
-    /// Whether a browser may change something, or may soon by a code. True if that cannot be read.
+    /// Whether a browser may change something, or may soon by a code. What cannot be read lets
+    /// nobody in, so it counts as nothing.
     bool lets_change(WallTime now) const;
 
     std::filesystem::path sessions_file() const { return folder_ / "sessions.json"; }
 
   private:
+    tl::expected<void, std::string> add(std::string_view name, Role role, std::string hash,
+                                        WallTime now);
     tl::expected<void, std::string> write(const std::filesystem::path& file,
                                           const std::string& text) const;
     std::filesystem::path folder_;

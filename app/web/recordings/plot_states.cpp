@@ -7,6 +7,7 @@
 
 #include "app/state_text/cause_text.h"
 #include "config/build/build.h"
+#include "config/language/key_file.h"
 #include "core/link_cause.h"
 #include "pipelines/virtual_time/virtual_loop.h"
 
@@ -34,6 +35,17 @@ Duration settling_time(const Configuration& configuration, std::size_t output) {
     return longest + timeout + kSettling;
 }
 
+std::vector<bool> inputs_without_their_key(const Configuration& configuration) {
+    std::vector<bool> without;
+    for (const InputConfig& input : configuration.inputs) {
+        without.push_back(are_secrets_forbidden() &&
+                          std::ranges::any_of(input.settings, [](const auto& setting) {
+                              return std::holds_alternative<KeyFile>(setting.second);
+                          }));
+    }
+    return without;
+}
+
 /// Notes the states of the outputs of pipelines. The engine begins in failsafe, whatever the real
 /// one did before the recording: an output is known from its first control on, or when no input was
 /// good for so long that it must be in failsafe.
@@ -43,7 +55,8 @@ class StateWatch final : public StationObserver {
         : engine_(engine),
           plot_(plot),
           was_good_(engine.inputs().size()),
-          known_(engine.outputs().size()) {
+          known_(engine.outputs().size()),
+          has_no_key_(inputs_without_their_key(configuration)) {
         for (std::size_t i = 0; i < engine.outputs().size(); ++i) {
             known_from_.push_back(Instant{} + settling_time(configuration, i));
             plot.states.push_back({engine.outputs()[i].name(), PlotStates(plot.span)});
@@ -72,19 +85,24 @@ class StateWatch final : public StationObserver {
         if (output.inputs().empty()) {
             return;
         }
+        // Its frames do not count here, whatever they were to the daemon.
+        const bool unproved = std::ranges::any_of(
+            output.inputs(), [this](std::size_t input) { return has_no_key_[input]; });
         const bool heard = std::ranges::any_of(
             output.inputs(), [this](std::size_t input) { return was_good_[input]; });
         known_[index] = known_[index] || output.stage() == OutputStage::control ||
                         (!heard && at >= known_from_[index]);
-        plot_.states[index].states.set(
-            at.time_since_epoch(),
-            known_[index] ? output_state_word(output.stage(), output.sends()) : "unknown");
+        plot_.states[index].states.set(at.time_since_epoch(),
+                                       known_[index] && !unproved
+                                           ? output_state_word(output.stage(), output.sends())
+                                           : "unknown");
     }
 
     const Engine& engine_;
     RecordingPlot& plot_;
     std::vector<bool> was_good_;
     std::vector<bool> known_;
+    std::vector<bool> has_no_key_;  ///< by input
     std::vector<Instant> known_from_;
 };
 

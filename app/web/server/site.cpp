@@ -217,9 +217,9 @@ HttpAnswer Site::daemons(Instant now) const {
         const auto watch = watches_.find(daemon.name);
         const bool hangs = watch != watches_.end() && !watch->second->problem(now).empty();
         list.push_back({{"name", daemon.name},
-                        {"state", daemon.socket.empty() ? "absent"
-                                  : hangs               ? "hung"
-                                                        : "running"},
+                        {"state", daemon.tells.empty() ? "absent"
+                                  : hangs              ? "hung"
+                                                       : "running"},
                         {"file", daemon.file.string()}});
     }
     return json_answer({{"daemons", std::move(list)}});
@@ -300,14 +300,30 @@ Site::Reply Site::look_at_daemon(const KnownDaemon& daemon, std::string_view wha
 
 Site::Reply Site::ask(const KnownDaemon& daemon, std::string_view line, Instant now,
                       FromLine as_answer, Duration patience) {
-    if (daemon.socket.empty()) {
+    if (daemon.tells.empty()) {
         return refused(502, fmt::format("no daemon runs {}", daemon.name));
     }
+    return ask_at(daemon.tells, line, now, std::move(as_answer), patience);
+}
+
+/// Only for a browser that may change: `change_of_daemon` alone calls it.
+Site::Reply Site::ask_to_change(const KnownDaemon& daemon, std::string_view line, Instant now,
+                                FromLine as_answer, Duration patience) {
+    if (daemon.control.empty()) {
+        return refused(
+            502, daemon.tells.empty()
+                     ? fmt::format("no daemon runs {}", daemon.name)
+                     : fmt::format("the page may not use the control socket of {}", daemon.name));
+    }
+    return ask_at(daemon.control, line, now, std::move(as_answer), patience);
+}
+
+Site::Reply Site::ask_at(const std::string& socket, std::string_view line, Instant now,
+                         FromLine as_answer, Duration patience) {
     if (line.find_first_of("\r\n") != std::string_view::npos) {
         return refused(400, "a name must stand in one line");
     }
-    return ask(LineRequest(daemon_at(daemon.socket), line, later(now, patience)),
-               std::move(as_answer));
+    return ask(LineRequest(daemon_at(socket), line, later(now, patience)), std::move(as_answer));
 }
 
 Site::Reply Site::ask(LineRequest request, FromLine as_answer) {

@@ -129,6 +129,10 @@ class Site {
     Reply ask(LineRequest request, FromLine as_answer);
     Reply ask(const KnownDaemon& daemon, std::string_view line, Instant now, FromLine as_answer,
               Duration patience = std::chrono::seconds(5));
+    Reply ask_to_change(const KnownDaemon& daemon, std::string_view line, Instant now,
+                        FromLine as_answer, Duration patience = std::chrono::seconds(5));
+    Reply ask_at(const std::string& socket, std::string_view line, Instant now, FromLine as_answer,
+                 Duration patience);
     Reply begin_draft(const HttpRequest& request, const KnownDaemon& daemon, Instant now);
     static std::optional<HttpAnswer> why_not(const HttpRequest& request, const std::string& text,
                                              const KnownDaemon& daemon);

@@ -2,12 +2,10 @@
 #include <memory>
 #include <utility>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 #include <nlohmann/json.hpp>
 
+#include "app/client/draft.h"
 #include "app/client/status_fields.h"
 #include "app/status/fingerprint.h"
 #include "app/web/answers/answers.h"
@@ -16,7 +14,6 @@
 #include "config/language/read_document.h"
 #include "config/language/read_file.h"
 #include "pipelines/realtime/clock.h"
-#include "transports/links/unique_fd.h"
 
 /// Changes by a page: a draft goes on trial, and stays or goes back.
 namespace tribus::web {
@@ -45,15 +42,11 @@ HttpAnswer changed_meanwhile(const std::string& present) {
         {{"error", "the file was changed by another meanwhile"}, {"fingerprint", present}}, 412);
 }
 
-/// In memory beside the control socket, in a folder for the group of the socket only. The daemon
-/// reads the file, whoever wrote it.
-bool write_draft(const std::string& file, std::string_view text) {
-    constexpr mode_t kReadByDaemon = 0644;
-    ::unlink(file.c_str());
-    const UniqueFd out(
-        ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kReadByDaemon));
-    return out.valid() && ::fchmod(out.get(), kReadByDaemon) == 0 &&
-           ::write(out.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size());
+/// 409 tells the page that the trial is over; with any other reason it may go on.
+HttpAnswer not_confirmed(const std::string& why) {
+    const bool over = why.starts_with("that trial is over") || why.starts_with("abandoned") ||
+                      why == "no configuration is on trial";
+    return refused(over ? 409 : 502, why + "; the file is as before");
 }
 
 }  // namespace
@@ -67,7 +60,7 @@ Site::Reply Site::change_of_daemon(const HttpRequest& request, const KnownDaemon
         return save(request, daemon);
     }
     if (what == "record") {
-        return ask(daemon, "record", now, as_it_is);
+        return ask_to_change(daemon, "record", now, as_it_is);
     }
     const auto trial = number_in(request.body, "trial");
     if ((what == "confirm" || what == "back") && (!trial || *trial < 1)) {
@@ -77,7 +70,7 @@ Site::Reply Site::change_of_daemon(const HttpRequest& request, const KnownDaemon
         return keep_draft(daemon, static_cast<std::uint64_t>(*trial), now);
     }
     if (what == "back") {
-        return ask(
+        return ask_to_change(
             daemon, fmt::format("back {}", *trial), now,
             [](const std::string& json) {
                 HttpAnswer answer = as_it_is(json);
@@ -116,7 +109,7 @@ Site::Reply Site::begin_draft(const HttpRequest& request, const KnownDaemon& dae
     if (auto why = why_not(request, *text, daemon)) {
         return *std::move(why);
     }
-    if (daemon.socket.empty()) {
+    if (daemon.tells.empty()) {
         return refused(502, fmt::format("no daemon runs {}", daemon.name));
     }
     return run_draft(daemon,
@@ -130,7 +123,7 @@ Site::Reply Site::save(const HttpRequest& request, const KnownDaemon& daemon) {
     if (!text) {
         return refused(400, "the text is missing");
     }
-    if (!daemon.socket.empty()) {
+    if (!daemon.tells.empty()) {
         return refused(409, "a daemon runs it; a change goes on trial first");
     }
     if (auto why = why_not(request, *text, daemon)) {
@@ -145,7 +138,10 @@ Site::Reply Site::save(const HttpRequest& request, const KnownDaemon& daemon) {
 Site::Reply Site::run_draft(const KnownDaemon& daemon, Draft draft, std::int64_t seconds,
                             Instant now) {
     const auto own = std::make_shared<Draft>(std::move(draft));
-    auto folder = ask(daemon, "draft", now, as_it_is);
+    auto folder = ask_to_change(daemon, "draft", now, as_it_is);
+    if (std::holds_alternative<HttpAnswer>(folder)) {
+        return folder;
+    }
     auto running = std::make_shared<std::optional<Late>>();
     return Late([this, daemon, own, seconds, running,
                  folder = std::get<Late>(std::move(folder))]() -> std::optional<HttpAnswer> {
@@ -156,11 +152,10 @@ Site::Reply Site::run_draft(const KnownDaemon& daemon, Draft draft, std::int64_t
         if (!made || made->status != 200) {
             return made;
         }
-        const auto json = nlohmann::json::parse(made->content, nullptr, false);
-        if (!write_draft(status_fields::raw_text(json, "file"), own->text)) {
+        if (!write_draft(daemon.control, own->text)) {
             return refused(500, "the draft cannot be written beside the control socket");
         }
-        auto reply = ask(
+        auto reply = ask_to_change(
             daemon, fmt::format("reload draft {}s", seconds), monotonic_now(),
             [this, name = daemon.name, own](const std::string& outcome) {
                 HttpAnswer answer = as_it_is(outcome);
@@ -177,11 +172,16 @@ Site::Reply Site::run_draft(const KnownDaemon& daemon, Draft draft, std::int64_t
     });
 }
 
-/// The file is written first. If the daemon says that the trial is over, the old file comes back.
+/// The file is written first, for the daemon confirms a draft only if the file has it. If the
+/// daemon refuses, the old file comes back; it has a minute to read the file, so this waits for
+/// longer.
 Site::Reply Site::keep_draft(const KnownDaemon& daemon, std::uint64_t trial, Instant now) {
     const auto draft = drafts_.find(daemon.name);
     if (draft == drafts_.end() || draft->second.trial != trial) {
         return refused(409, "that trial is over, or another program began it");
+    }
+    if (daemon.control.empty()) {
+        return refused(502, fmt::format("no daemon runs {}; the file is as before", daemon.name));
     }
     const auto before = read_file(daemon.file, kMostConfigurationBytes, FileKinds::regular);
     const std::string present = before ? fingerprint(*before) : std::string();
@@ -192,19 +192,21 @@ Site::Reply Site::keep_draft(const KnownDaemon& daemon, std::uint64_t trial, Ins
     if (auto kept = keep_configuration(daemon.file, draft->second.text, history); !kept) {
         return refused(500, kept.error());
     }
-    return ask(daemon, fmt::format("confirm {}", trial), now,
-               [this, file = daemon.file, name = daemon.name, before = *before,
-                history](const std::string& outcome) {
-                   const HttpAnswer answer = as_it_is(outcome);
-                   if (answer.status != 200) {
-                       const auto restored = keep_configuration(file, before, history);
-                       return refused(409, restored ? "that trial is over; the file is as before"
-                                                    : restored.error());
-                   }
-                   const std::string text = drafts_[name].text;
-                   drafts_.erase(name);
-                   return json_answer({{"kept", true}, {"fingerprint", fingerprint(text)}});
-               });
+    return ask_to_change(
+        daemon, fmt::format("confirm {}", trial), now,
+        [this, file = daemon.file, name = daemon.name, before = *before,
+         history](const std::string& outcome) {
+            const HttpAnswer answer = as_it_is(outcome);
+            if (answer.status != 200) {
+                const auto restored = keep_configuration(file, before, history);
+                return restored ? not_confirmed(text_in(answer.content, "error").value_or(""))
+                                : refused(500, restored.error());
+            }
+            const std::string text = drafts_[name].text;
+            drafts_.erase(name);
+            return json_answer({{"kept", true}, {"fingerprint", fingerprint(text)}});
+        },
+        kReloadPatience);
 }
 
 }  // namespace tribus::web

@@ -47,7 +47,7 @@ Site::Reply Site::look_at_recordings(const HttpRequest& request, const KnownDaem
 /// The daemon says where its recordings are; without its answer, its configuration does.
 Site::Reply Site::with_recordings(const KnownDaemon& daemon, Instant now,
                                   std::function<Reply(const RecordingsPlace&)> go_on) {
-    if (daemon.socket.empty()) {
+    if (daemon.tells.empty()) {
         return go_on(place_in_file(daemon));
     }
     const auto place = std::make_shared<std::optional<RecordingsPlace>>();

@@ -73,7 +73,13 @@ HttpAnswer Site::pair(const HttpRequest& request) {
     if (!code) {
         return refused(400, "the code is missing");
     }
-    const auto tried = pairing_.try_code(*code, wall_now());
+    const auto cookie = new_cookie();
+    if (!cookie) {
+        return refused(500, cookie.error());
+    }
+    const auto tried = pairing_.try_code(
+        *code, wall_now(),
+        JoiningBrowser{text_in(request.body, "name").value_or(""), hash_of_cookie(*cookie)});
     if (!tried) {
         return refused(500, tried.error());
     }
@@ -81,15 +87,6 @@ HttpAnswer Site::pair(const HttpRequest& request) {
         return tried->left > 0
                    ? json_answer({{"error", "the code is wrong"}, {"left", tried->left}}, 403)
                    : refused(410, "no code is valid now; `sudo tribus pair` prints a new one");
-    }
-    const auto cookie = new_cookie();
-    if (!cookie) {
-        return refused(500, cookie.error());
-    }
-    if (auto added = pairing_.add_session(text_in(request.body, "name").value_or(""), *tried->role,
-                                          hash_of_cookie(*cookie), wall_now());
-        !added) {
-        return refused(500, added.error());
     }
     HttpAnswer answer = json_answer({{"role", std::string(word_of(*tried->role))}});
     answer.headers =
@@ -113,8 +110,8 @@ DaemonWatch* Site::watch_of(const std::string& daemon) {
     auto& watch = watches_[daemon];
     if (!watch) {
         const auto known = find_known(settings_.configurations, daemon);
-        if (known && !known->socket.empty()) {
-            watch = std::make_unique<DaemonWatch>(known->socket);
+        if (known && !known->tells.empty()) {
+            watch = std::make_unique<DaemonWatch>(known->tells);
         }
     }
     if (!watch) {

@@ -36,6 +36,19 @@ TEST(DefaultSocket, IsNoneWhereThereIsNoPlace) {
     EXPECT_EQ(default_socket(directories("", "", false), "car.toml"), std::nullopt);
 }
 
+/// The folder of a service is for its user and group; who may only look has another folder.
+TEST(LookSocket, OfAServiceStandsInAFolderOfItsOwn) {
+    EXPECT_EQ(look_socket("/run/tribus/car/control"), "/run/tribus-look/car.look");
+}
+
+TEST(LookSocket, StandsBesideTheControlSocketElsewhere) {
+    EXPECT_EQ(look_socket("/run/tribus/car.sock"), "/run/tribus/car.look");
+    EXPECT_EQ(look_socket("/run/user/1000/tribus/car.sock"), "/run/user/1000/tribus/car.look");
+    EXPECT_EQ(look_socket("/tmp/boat/control"), "/tmp/boat/look");
+    EXPECT_EQ(look_socket("/tmp/mine"), "/tmp/mine.look");
+    EXPECT_EQ(look_socket("car.sock"), "car.look");
+}
+
 class Listener : public testing::Test {
   protected:
     test::TemporaryFolder folder_;
@@ -113,6 +126,26 @@ TEST_F(Listener, IsFoundByItsName) {
     EXPECT_EQ(found[1].name, "car");
     EXPECT_EQ(found[2].name, "plane");
     EXPECT_EQ(found[1].path, folder_ / "tribus/car.sock");
+}
+
+TEST_F(Listener, IsFoundWhereItOnlyTells) {
+    const auto car = LocalListener::open(folder_ / "tribus/car.look");
+    const auto boat = LocalListener::open(folder_ / "tribus-look/boat.look");
+    const auto plane = LocalListener::open(folder_ / "tribus-plane/look");
+    const auto changes = LocalListener::open(folder_ / "tribus/car.sock");
+    const auto old = LocalListener::open(folder_ / "tribus/old/control");
+    const SocketDirectories places{.runtime_directory = "",
+                                   .user_directory = "",
+                                   .system_directory = folder_.path().string(),
+                                   .root = false};
+    const auto found = find_telling_sockets(places);
+    ASSERT_EQ(found.size(), 4U);
+    EXPECT_EQ(found[0].path, folder_ / "tribus-look/boat.look");
+    EXPECT_EQ(found[1].name, "car");
+    EXPECT_EQ(found[1].path, folder_ / "tribus/car.look");
+    EXPECT_EQ(found[2].path, folder_ / "tribus/old/control") << "a daemon that has no other";
+    EXPECT_EQ(found[3].name, "plane");
+    ASSERT_EQ(find_sockets(places).size(), 2U);
 }
 
 TEST_F(Listener, IsNotFoundWhereNobodyAnswers) {

@@ -85,6 +85,18 @@ TEST_F(Control, AnswersOneObjectALine) {
     EXPECT_EQ(guest.read(), "{\"n\":1,\"fill\":\"\"}\n");
 }
 
+TEST_F(Control, ThatOnlyTellsSaysWhereChangesGo) {
+    control_->tell_only("/run/tribus/car/control");
+    Guest guest(folder_ / "control");
+    guest.say("reload 30s\nstatus\n");
+    pass(kMs);
+    EXPECT_EQ(guest.read(),
+              R"({"type":"error","error":"\"reload\" is refused: this socket only tells, and what )"
+              R"(changes something goes to /run/tribus/car/control; allowed here: )"
+              R"(\"watch [PERIOD]\", \"status\""})"
+              "\n{\"n\":1,\"fill\":\"\"}\n");
+}
+
 TEST_F(Control, AnswersSeveralRequestsInOrder) {
     Guest guest(folder_ / "control");
     guest.say("status\nstatus\r\nstatus\n");

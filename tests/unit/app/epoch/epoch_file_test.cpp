@@ -84,6 +84,21 @@ TEST_F(OpenEpoch, StoresMoreWhereMoreIsWanted) {
     EXPECT_EQ(stored(), text_of(kFar + kBlocks.block));
 }
 
+/// `tribus run` once as root, in the folder of the service.
+TEST_F(OpenEpoch, LeavesFilesOfTheFoldersOwnerWhereRootRanIt) {
+    if (::geteuid() != 0) {
+        GTEST_SKIP() << "only root gives files away";
+    }
+    constexpr uid_t kService = 65534;
+    ASSERT_EQ(::chown(folder_.path().c_str(), kService, kService), 0);
+    ASSERT_TRUE(file()->open(SettingScope::input));
+    for (const char* name : {"boat.epoch", "boat.epoch.lock"}) {
+        struct stat told {};
+        ASSERT_EQ(::stat((folder_ / name).c_str(), &told), 0) << name;
+        EXPECT_EQ(told.st_uid, kService) << name;
+    }
+}
+
 /// The child ends as by SIGKILL: nothing of it is destroyed.
 TEST_F(OpenEpoch, BeginsAfterAllThatMayHaveBeenUsedWhereItsProgramWasKilled) {
     const pid_t child = ::fork();

@@ -104,10 +104,13 @@ TEST(BrokerPlaces, AreNamesAndAddressesWithOrWithoutAPort) {
 }
 
 TEST(BrokerPlaces, KnowThoseOfThisMachine) {
-    for (const char* own : {"localhost", "127.0.0.1:1883", "[::1]:1883"}) {
+    for (const char* own : {"localhost", "127.0.0.1:1883", "127.8.9.10", "[::1]:1883"}) {
         EXPECT_TRUE(parse_broker_place(own)->is_loopback()) << own;
     }
-    EXPECT_FALSE(parse_broker_place("broker.local")->is_loopback());
+    for (const char* other : {"broker.local", "127.example.org", "127.0.0.1.example.org:1883",
+                              "[::2]:1883", "[::127.0.0.1]", "128.0.0.1", "localhost.example"}) {
+        EXPECT_FALSE(parse_broker_place(other)->is_loopback()) << other;
+    }
 }
 
 }  // namespace

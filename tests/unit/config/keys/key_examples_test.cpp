@@ -288,7 +288,7 @@ std::map<std::string, std::string> special_contexts() {
         {"dbc-signals-most", signal("Count", "counter = true\n")},
         {"dbc-signals-checksum", signal("Check", "")},
         {"dbc-signals-data_id", signal("Steering", "checksum = \"p01\"\n")},
-        {"dbc-signals-from", signal("Speed", "")},
+        {"dbc-signals-from", signal("Count", "")},
     };
     for (const Medium* medium : media()) {
         const auto carried = std::ranges::find_if(

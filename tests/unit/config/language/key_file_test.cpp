@@ -55,6 +55,21 @@ class KeyFiles : public ::testing::Test {
     Mistakes mistakes_{""};
 };
 
+/// Such as the page, which judges configurations.
+TEST_F(KeyFiles, AreNotOpenedByAProgramThatMustNotHaveThem) {
+    write(kDigits);
+    forbid_secrets();
+    const auto one = read();
+    const auto other = read("absent.key");
+    forbid_secrets(false);
+    ASSERT_TRUE(one && other);
+    EXPECT_TRUE(mistakes_.empty());
+    EXPECT_NE(one->secret, counted());
+    EXPECT_NE(one->secret, SecretKey{});
+    EXPECT_NE(one->secret, other->secret) << "different files have different keys";
+    EXPECT_EQ(read()->secret, counted());
+}
+
 TEST_F(KeyFiles, HoldBytesOrDigits) {
     const SecretKey secret = counted();
     for (const std::string& content :

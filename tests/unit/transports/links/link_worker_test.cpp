@@ -34,6 +34,11 @@ FrameLife fresh() {
     return {.made = monotonic_now(), .valid_for = kPeriod};
 }
 
+/// As of an output with a long period.
+FrameLife long_lived() {
+    return {.made = monotonic_now(), .valid_for = 10s};
+}
+
 /// A kernel that keeps its writer until it is let go.
 struct SlowKernel {
     std::counting_semaphore<> let_go{0};
@@ -72,14 +77,14 @@ TEST(LinkWorker, IsUnavailableWhileTheKernelKeepsItAndOnlyThen) {
     SlowKernel kernel;
     LinkWorker worker;
     kernel.start(worker);
-    worker.wake(fresh());
-    EXPECT_TRUE(comes([&] { return worker.wake(fresh()) == WriteStatus::unavailable; }));
-    EXPECT_EQ(worker.wake(fresh()), WriteStatus::unavailable) << "it is not forgotten";
+    worker.wake(long_lived());
+    EXPECT_TRUE(comes([&] { return worker.wake(long_lived()) == WriteStatus::unavailable; }));
+    EXPECT_EQ(worker.wake(long_lived()), WriteStatus::unavailable) << "it is not forgotten";
     kernel.let_go.release(1000);
-    EXPECT_TRUE(comes([&] { return worker.wake(fresh()) == WriteStatus::written; }));
+    EXPECT_TRUE(comes([&] { return worker.wake(long_lived()) == WriteStatus::written; }));
     // Idle for longer than any part of the work may take.
     std::this_thread::sleep_for(300ms);
-    EXPECT_EQ(worker.wake(fresh()), WriteStatus::written);
+    EXPECT_EQ(worker.wake(long_lived()), WriteStatus::written);
 }
 
 TEST(LinkWorker, TellsTheOutcomeOfTheWorkThatWasDoneLast) {

@@ -49,7 +49,7 @@ to   = "b"
 
 TEST(RecordingsPlace, OfAnAbsentDaemonIsInItsFile) {
     const TemporaryFolder folder;
-    KnownDaemon daemon{.name = "boat", .socket = {}, .file = folder / "boat.toml"};
+    KnownDaemon daemon{.name = "boat", .tells = {}, .control = {}, .file = folder / "boat.toml"};
     EXPECT_FALSE(place_in_file(daemon)) << "there is none";
     folder.write("boat.toml", kInput);
     ASSERT_TRUE(place_in_file(daemon)) << place_in_file(daemon).error();

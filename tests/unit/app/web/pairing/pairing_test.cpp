@@ -1,8 +1,13 @@
 #include "app/web/pairing/pairing.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <cctype>
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <set>
 #include <string>
@@ -11,6 +16,7 @@
 
 #include "app/web/http/cookie.h"
 #include "tests/support/temporary_folder.h"
+#include "transports/links/unique_fd.h"
 
 namespace tribus::test::pairing_test {
 namespace {
@@ -62,6 +68,34 @@ TEST_F(Pairing, LetsChangeWhileABrowserOrACodeMay) {
     EXPECT_FALSE(folder_.lets_change(later + PairingFolder::kSessionLasts));
     ASSERT_EQ(folder_.revoke("laptop").value(), 1U);
     EXPECT_FALSE(folder_.lets_change(later));
+}
+
+/// The folder is the page's, and root writes there.
+TEST_F(Pairing, WritesNoFileOfAnotherAndWaitsForNoPipe) {
+    place_.write("other", "of somebody else");
+    std::filesystem::create_hard_link(place_ / "other", place_ / "code.json.new");
+    EXPECT_TRUE(tried(code()).role);
+    ASSERT_EQ(::mkfifo((place_ / "code.json.new").c_str(), 0666), 0);
+    EXPECT_TRUE(tried(code()).role);
+    EXPECT_EQ(place_.read("other"), "of somebody else");
+}
+
+TEST_F(Pairing, DoesNotWaitForOneWhoHoldsTheFolder) {
+    const UniqueFd held(::open(place_.path().c_str(), O_RDONLY | O_DIRECTORY));
+    ASSERT_EQ(::flock(held.get(), LOCK_EX), 0);
+    const auto refused = folder_.make_code(Role::change, kNow);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().find("another program holds it"), std::string::npos)
+        << refused.error();
+}
+
+TEST_F(Pairing, LetsNobodyChangeWhoseFileIsGoneOrCannotBeRead) {
+    ASSERT_TRUE(folder_.add_session("laptop", Role::change, "2", kNow));
+    EXPECT_TRUE(folder_.lets_change(kNow));
+    std::filesystem::remove(folder_.sessions_file());
+    EXPECT_FALSE(folder_.lets_change(kNow));
+    std::filesystem::create_directory(folder_.sessions_file());
+    EXPECT_FALSE(folder_.lets_change(kNow));
 }
 
 TEST_F(Pairing, FiveWrongTriesEndACode) {
