@@ -24,8 +24,9 @@ void Watchdog::restart() {
 }
 
 void Watchdog::watch(Instant now, Instant published, const Standing& standing) {
-    const Duration elapsed =
-        looked_at_ ? std::min(now - *looked_at_, kLongestPause) : Duration::zero();
+    const Duration pause = looked_at_ ? now - *looked_at_ : Duration::zero();
+    compares_from_ = pause > kLongestPause ? now : compares_from_;
+    const Duration elapsed = std::min(pause, kLongestPause);
     watched_for_ = watched_ == published ? watched_for_ + elapsed : Duration::zero();
     watched_ = published;
     stands_for_ = standing_ == standing ? stands_for_ + elapsed : Duration::zero();
@@ -43,7 +44,8 @@ Punctuality Watchdog::judge(Instant published, std::span<const OutputProgress> o
     if (judged_ == published) {
         return punctuality_;
     }
-    const bool comparable = judged_ && outputs_.size() == outputs.size();
+    const bool comparable =
+        judged_ && *judged_ >= compares_from_ && outputs_.size() == outputs.size();
     const Duration window = comparable ? published - *judged_ : Duration::zero();
     outputs_.resize(outputs.size());
     Punctuality judged = Punctuality::on_time;

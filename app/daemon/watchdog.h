@@ -76,6 +76,7 @@ class Watchdog {
     Standing standing_;
     Duration stands_for_{};
     std::optional<Instant> judged_;
+    Instant compares_from_{};  ///< what was published before lies in a stop or before one
     std::vector<Seen> outputs_;
     Punctuality punctuality_ = Punctuality::on_time;
     std::size_t late_output_ = 0;

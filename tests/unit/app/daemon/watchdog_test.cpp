@@ -85,6 +85,15 @@ TEST_F(WatchdogTest, a_stop_of_the_whole_program_makes_no_output_late) {
     EXPECT_EQ(watchdog_.punctuality(), Punctuality::on_time);
 }
 
+TEST_F(WatchdogTest, many_stops_one_behind_the_other_make_no_output_late) {
+    go_on(10s);
+    for (int stop = 0; stop < 5; ++stop) {
+        now_ += 1300ms;
+        go_on(200ms, true, 130);
+        EXPECT_EQ(watchdog_.punctuality(), Punctuality::on_time);
+    }
+}
+
 TEST_F(WatchdogTest, one_stands_that_gives_no_sign_after_a_stop_of_the_whole_program) {
     go_on(10s);
     now_ += 60s;
