@@ -75,6 +75,9 @@ void give_freshness(const Part& part, const CodecSources& sources, AnyCodec& cod
 AnyDecoder make_decoder(const InputConfig& input, const CodecSources& sources) {
     AnyDecoder decoder = input.protocol->make_decoder(input.settings);
     give_freshness(input, sources, decoder);
+    if (link_with_key(input) && sources.random != nullptr) {
+        std::visit([&](const auto& any) { any->use_random(sources.random); }, decoder);
+    }
     auto* const bytes = std::get_if<std::unique_ptr<ByteDecoder>>(&decoder);
     if (sources.clock != nullptr && bytes != nullptr) {
         (*bytes)->use_clock(*sources.clock);

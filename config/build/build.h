@@ -38,7 +38,7 @@ struct PortPlan {
 struct CodecSources {
     const WallClock* clock = nullptr;
     /// Another seed at each call. Without it all seeds are zeros.
-    RandomSeed (*random)() = nullptr;
+    RandomSource random = nullptr;
     /// The numbers that an epoch file keeps. Without it links with an epoch send and take nothing.
     std::function<NumberReservation*(const std::string& epoch)> numbers{};
 };

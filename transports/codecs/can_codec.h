@@ -30,6 +30,8 @@ class CanDecoder : public DecoderReport {
     /// Gives random bytes, for protocols with challenges. Call at the start, before the first
     /// `next`.
     virtual void use_seed(const RandomSeed& /*seed*/) {}
+    /// Gives bytes that are random at each call, for the same. In the same way.
+    virtual void use_random(RandomSource /*random*/) {}
     /// Gives the numbers of this end, for links whose receivers do not answer. Call at the start,
     /// before the first `next`. Must outlive the decoder.
     virtual void use_numbers(NumberReservation& /*numbers*/) {}

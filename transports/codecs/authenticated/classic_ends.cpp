@@ -18,7 +18,10 @@ std::array<CanIdMatch, kClassicIds> ids_of(const ClassicLink& link) {
 
 /// The ids of whole messages are those of no frame.
 FdLink messages_of(const ClassicLink& link) {
-    return {.keys = link.keys, .sender_id = 1, .receiver_id = 0};
+    return {.keys = link.keys,
+            .sender_id = 1,
+            .receiver_id = 0,
+            .answers = kMostSnapshotFrames / kChallengeFrames};
 }
 
 CanFrame whole(const CanIdMatch& id, std::span<const std::uint8_t> message) {
@@ -102,11 +105,11 @@ std::optional<ChannelFrame> ClassicDecoder::next(const CanFrame& frame, Instant 
 }
 
 std::span<const CanFrame> ClassicDecoder::answer(Instant now) {
-    const auto challenge = messages_->answer(now);
-    if (challenge.empty()) {
-        return {};
+    std::size_t written = 0;
+    for (const CanFrame& challenge : messages_->answer(now)) {
+        written += frames_.challenges.split(challenge.bytes(), std::span(answer_).subspan(written));
     }
-    return std::span(answer_).first(frames_.challenges.split(challenge.front().bytes(), answer_));
+    return std::span(answer_).first(written);
 }
 
 ClassicEncoder::ClassicEncoder(const ClassicLink& link)

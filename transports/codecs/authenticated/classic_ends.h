@@ -82,6 +82,7 @@ class ClassicDecoder final : public CanDecoder {
     std::span<const CanIdMatch> wanted() const override { return frames_.of_sender(); }
     std::optional<ChannelFrame> next(const CanFrame& frame, Instant received) override;
     void use_seed(const RandomSeed& seed) override { messages_->use_seed(seed); }
+    void use_random(RandomSource random) override { messages_->use_random(random); }
     void use_numbers(NumberReservation& numbers) override { messages_->use_numbers(numbers); }
     std::span<const CanIdMatch> answered() const override {
         return messages_->answered().empty() ? messages_->answered() : frames_.of_receiver();
@@ -98,7 +99,7 @@ class ClassicDecoder final : public CanDecoder {
 
     ClassicFrames frames_;
     std::unique_ptr<CanDecoder> messages_;
-    std::array<CanFrame, kChallengeFrames> answer_{};
+    std::array<CanFrame, kMostSnapshotFrames> answer_{};
     std::vector<NamedCount> rejected_;
 };
 

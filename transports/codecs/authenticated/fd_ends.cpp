@@ -17,7 +17,8 @@ FdDecoder::FdDecoder(const FdLink& link)
     : sender_id_{.id = link.sender_id, .extended = link.extended},
       receiver_id_{.id = link.receiver_id, .extended = link.extended},
       receiver_(LinkMacs(link.keys.secret, link.keys.name),
-                macs_of(link.keys.old_secret, link.keys.name), {}) {}
+                macs_of(link.keys.old_secret, link.keys.name), {}),
+      most_answers_(link.answers) {}
 
 void FdDecoder::use_keys_of(const DecoderReport& fresh) {
     if (const auto* same = dynamic_cast<const FdDecoder*>(&fresh)) {
@@ -30,12 +31,15 @@ std::optional<ChannelFrame> FdDecoder::next(const CanFrame& frame, Instant recei
 }
 
 std::span<const CanFrame> FdDecoder::answer(Instant now) {
+    std::size_t count = 0;
     ChallengeMessage message{};
-    if (!receiver_.answer(message, now)) {
-        return {};
+    while (count < most_answers_ && receiver_.answer(message, now)) {
+        answers_[count++] = fd_frame(receiver_id_.id, receiver_id_.extended, message);
     }
-    answer_ = fd_frame(receiver_id_.id, receiver_id_.extended, message);
-    return {&answer_, 1};
+    if (most_answers_ == 1) {
+        receiver_.forget_askers();
+    }
+    return std::span(answers_).first(count);
 }
 
 FdEncoder::FdEncoder(const FdLink& link)

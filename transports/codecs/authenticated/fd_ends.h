@@ -24,6 +24,10 @@ struct FdLink {
     std::uint32_t sender_id = 0;    ///< of hellos and snapshots
     std::uint32_t receiver_id = 0;  ///< of challenges
     bool extended = false;
+    /// Senders that are answered at once, at most kMostAnswers. With more than one, everybody hears
+    /// all answers, so others are answered later.
+    std::size_t answers = kMostAnswers;
+    static constexpr std::size_t kMostAnswers = 8;
 };
 
 /// The message in a frame. Frames of another kind have none.
@@ -38,6 +42,7 @@ class FdDecoder final : public CanDecoder {
     std::span<const CanIdMatch> wanted() const override { return {&sender_id_, 1}; }
     std::optional<ChannelFrame> next(const CanFrame& frame, Instant received) override;
     void use_seed(const RandomSeed& seed) override { receiver_.use_seed(seed); }
+    void use_random(RandomSource random) override { receiver_.use_random(random); }
     std::span<const CanIdMatch> answered() const override { return {&receiver_id_, 1}; }
     std::span<const CanFrame> answer(Instant now) override;
     /// See Receiver::rejected.
@@ -49,7 +54,8 @@ class FdDecoder final : public CanDecoder {
     CanIdMatch sender_id_;
     CanIdMatch receiver_id_;
     Receiver receiver_;
-    CanFrame answer_{};
+    std::size_t most_answers_;
+    std::array<CanFrame, FdLink::kMostAnswers> answers_{};
 };
 
 /// The end that sends them.

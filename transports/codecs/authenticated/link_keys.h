@@ -3,6 +3,7 @@
 #include <nettle/cmac.h>
 #include <nettle/poly1305.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -35,6 +36,20 @@ class Mac {
   private:
     cmac_aes128_ctx context_{};
 };
+
+/// Random numbers of a seed: the MAC, by the seed, of a letter, a number and `more`.
+template <std::size_t size>
+std::array<std::uint8_t, size> random_bytes(Mac& seeded, std::uint8_t letter, std::uint32_t number,
+                                            std::span<const std::uint8_t> more = {}) {
+    const MacBytes all = seeded.of(
+        std::array<std::uint8_t, 5>{
+            letter, static_cast<std::uint8_t>(number), static_cast<std::uint8_t>(number >> 8U),
+            static_cast<std::uint8_t>(number >> 16U), static_cast<std::uint8_t>(number >> 24U)},
+        more);
+    std::array<std::uint8_t, size> some{};
+    std::copy_n(all.begin(), size, some.begin());
+    return some;
+}
 
 /// The purposes of messages. Each has a key of its own, so that none can be taken for another, and
 /// nothing that one end sends can be sent back to it.

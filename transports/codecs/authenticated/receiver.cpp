@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <utility>
 
 namespace tribus::authenticated {
 namespace {
@@ -12,22 +11,11 @@ constexpr std::int64_t kDriftParts = 1000;
 /// Half of all values of the counter.
 constexpr std::uint16_t kMostAhead = 0x7FFF;
 
-/// Random numbers of a seed: its MAC of a letter and a number.
-template <std::size_t size>
-std::array<std::uint8_t, size> random_bytes(Mac& seeded, std::uint8_t letter,
-                                            std::uint32_t number) {
-    const MacBytes all = seeded.of(std::array<std::uint8_t, 5>{
-        letter, static_cast<std::uint8_t>(number), static_cast<std::uint8_t>(number >> 8U),
-        static_cast<std::uint8_t>(number >> 16U), static_cast<std::uint8_t>(number >> 24U)});
-    std::array<std::uint8_t, size> some{};
-    std::copy_n(all.begin(), size, some.begin());
-    return some;
-}
-
 }  // namespace
 
 Receiver::Receiver(const LinkMacs& macs, const std::optional<LinkMacs>& old, const RandomSeed& seed)
     : key_{macs}, old_(old ? std::optional(Key{*old}) : std::nullopt), random_(seed) {
+    answered_sessions_.fill(kSessionMask + 1);
     use_seed(seed);
 }
 
@@ -43,26 +31,75 @@ void Receiver::use_seed(const RandomSeed& seed) {
 void Receiver::use_keys_of(const Receiver& fresh) {
     key_ = fresh.key_;
     old_ = fresh.old_;
-    asker_.reset();
+    forget_askers();
 }
 
 void Receiver::ask_anew(Instant now) {
+    const RandomSeed fresh = fresh_ != nullptr ? fresh_() : RandomSeed{};
+    const std::span<const std::uint8_t> more(fresh);
     asked_[asked_count_ % kMostAsked] = {
         {.life = life_,
          .number = asked_count_,
-         .nonce = random_bytes<std::tuple_size_v<Nonce>>(random_, 'N', asked_count_)},
+         .nonce = random_bytes<std::tuple_size_v<Nonce>>(random_, 'N', asked_count_,
+                                                         more.first(fresh_ ? more.size() : 0))},
         now};
     ++asked_count_;
 }
 
-/// Who says hello again gets the same challenge again, unless that is old, and a snapshot that
-/// counts is always answered: so nobody who repeats hellos can push the others out.
-bool Receiver::answer(ChallengeMessage& message, Instant now) {
-    const auto asker = std::exchange(asker_, std::nullopt);
-    if (!asker || (!asker->is_there && asked_count_ > 0 && now - answered_ < kAnswerPeriod)) {
+void Receiver::wait(const Asker& asker) {
+    const auto waiting = std::span(askers_).first(askers_count_);
+    const auto same = std::ranges::find_if(waiting, [&](const Asker& one) {
+        return one.session == asker.session && one.old_key == asker.old_key;
+    });
+    if (same != waiting.end()) {
+        same->rank = std::max(same->rank, asker.rank);
+    } else if (askers_count_ < kMostAskers) {
+        askers_[askers_count_++] = asker;
+    } else if (const auto last = std::ranges::min_element(askers_, {}, &Asker::rank);
+               last->rank <= asker.rank) {
+        std::shift_left(last, askers_.end(), 1);
+        askers_.back() = asker;
+    }
+}
+
+bool Receiver::may_answer_hello(Rank rank, Instant now) {
+    const Instant paid = std::max(answers_paid_, now) + kAnswerPeriod;
+    const int most = rank == Rank::says_hello ? kAnswersAtOnce : kAnswersAtOnce / 2;
+    if (paid - now > most * kAnswerPeriod) {
         return false;
     }
-    answered_ = now;
+    answers_paid_ = paid;
+    return true;
+}
+
+/// A snapshot that counts is always answered. Of hellos, those of sessions that were not answered
+/// lately come first, and of these the latest.
+std::optional<Receiver::Asker> Receiver::next_asker(Instant now) {
+    const auto waiting = std::span(askers_).first(askers_count_);
+    auto first = waiting.begin();
+    for (auto one = first; one != waiting.end(); ++one) {
+        first = one->rank >= first->rank ? one : first;
+    }
+    if (first == waiting.end() ||
+        (first->rank != Rank::sends_snapshots && !may_answer_hello(first->rank, now))) {
+        return std::nullopt;
+    }
+    const Asker asker = *first;
+    std::shift_left(first, waiting.end(), 1);
+    --askers_count_;
+    if (asker.rank == Rank::says_hello) {
+        answered_sessions_[answered_count_++ % kAnsweredLately] = asker.session;
+    }
+    return asker;
+}
+
+/// Who says hello again gets the same challenge again, unless that is old: so nobody who repeats
+/// hellos can push the others out.
+bool Receiver::answer(ChallengeMessage& message, Instant now) {
+    const auto asker = next_asker(now);
+    if (!asker) {
+        return false;
+    }
     if (asked_count_ == 0 || now - newest().sent >= kChallengePeriod) {
         ask_anew(now);
     }
@@ -112,9 +149,9 @@ void Receiver::take_hello(std::span<const std::uint8_t> message) {
         return;
     }
     why_refused_ = LinkCause::garbled;
-    if (!asker_ || !asker_->is_there) {
-        asker_ = {parse_hello(message), *old_key, false};
-    }
+    const std::uint32_t session = parse_hello(message);
+    const bool lately = std::ranges::find(answered_sessions_, session) != answered_sessions_.end();
+    wait({session, *old_key, lately ? Rank::answered_lately : Rank::says_hello});
 }
 
 std::optional<ChannelFrame> Receiver::take_snapshot(std::span<const std::uint8_t> message,
@@ -140,7 +177,7 @@ std::optional<ChannelFrame> Receiver::take_snapshot(std::span<const std::uint8_t
     }
     const auto fault = fault_of_order(head, answered->challenge.number, received);
     if ((!fault || fault == kTwoSenders) && exists >= kChallengePeriod) {
-        asker_ = {head.session, *old_key, true};
+        wait({head.session, *old_key, Rank::sends_snapshots});
     }
     if (fault) {
         return refuse(*fault);

@@ -25,9 +25,11 @@ class Receiver {
   public:
     /// Least time between two challenges.
     static constexpr Duration kChallengePeriod = std::chrono::milliseconds(50);
-    /// Least time from an answer to the answer of a hello. Hellos that somebody repeats are
-    /// answered too.
-    static constexpr Duration kAnswerPeriod = std::chrono::milliseconds(2);
+    /// Hellos that somebody repeats are answered too, since the sender's own looks the same: one
+    /// for each such time, and so many at once. The latter half is only for sessions that are not
+    /// among those answered lately.
+    static constexpr Duration kAnswerPeriod = std::chrono::microseconds(500);
+    static constexpr int kAnswersAtOnce = 64;
     /// A challenge counts for so long. Snapshots are older than that if they come later.
     static constexpr Duration kChallengeLasts = std::chrono::seconds(1);
     /// A sender that has been silent for so long may have started again. Until then the snapshots
@@ -40,11 +42,15 @@ class Receiver {
 
     /// Begins a new life. Call before the first `next`.
     void use_seed(const RandomSeed& seed);
+    /// Each challenge has bytes of it, too: a receiver whose memory was restored asks anew.
+    void use_random(RandomSource random) { fresh_ = random; }
     /// From now on the keys of `fresh` count. Challenges and order go on.
     void use_keys_of(const Receiver& fresh);
-    /// Writes the challenge that answers what was taken last, and leaves at `now`. False if none is
-    /// due. Call it after each `next`.
+    /// Writes the challenge for the first of those who wait, which leaves at `now`. False if none
+    /// is due yet.
     bool answer(ChallengeMessage& message, Instant now);
+    /// Nobody waits any more. They ask again.
+    void forget_askers() { askers_count_ = 0; }
     /// Takes a message that arrived at `received`. `received` of what it publishes is the time
     /// since which the values may have been old: that of the answered challenge, with the time for
     /// which the sender held it, less the age that the values had there. So the age is never told
@@ -73,13 +79,16 @@ class Receiver {
         Challenge challenge;
         Instant sent{};
     };
+    /// Who comes first. A hello may be a recording; a snapshot that counts is none.
+    enum class Rank : std::uint8_t { answered_lately, says_hello, sends_snapshots };
     /// A sender that waits for an answer, and its key.
     struct Asker {
         std::uint32_t session = 0;
         bool old_key = false;
-        /// It has sent a new snapshot. A hello may be a recording.
-        bool is_there = false;
+        Rank rank = Rank::says_hello;
     };
+    static constexpr std::size_t kMostAskers = 64;
+    static constexpr std::size_t kAnsweredLately = 32;
     /// More than count at the same time; the low byte of a number gives the place.
     static constexpr std::size_t kMostAsked = 32;
     static_assert(kMostAsked > kChallengeLasts / kChallengePeriod + 1);
@@ -107,17 +116,25 @@ class Receiver {
     template <class IsRight>
     std::optional<bool> key_of(const IsRight& is_right);
     void ask_anew(Instant now);
+    void wait(const Asker& asker);
+    std::optional<Asker> next_asker(Instant now);
+    bool may_answer_hello(Rank rank, Instant now);
     std::optional<Refusal> fault_of_order(const SnapshotHead& head, std::uint32_t number,
                                           Instant received);
 
     Key key_;
     std::optional<Key> old_;
     Mac random_;
+    RandomSource fresh_ = nullptr;
     std::uint32_t life_ = 0;
     std::uint32_t asked_count_ = 0;  ///< also the number of the next challenge
     std::array<Asked, kMostAsked> asked_{};
-    std::optional<Asker> asker_;
-    Instant answered_{};
+    std::array<Asker, kMostAskers> askers_{};
+    std::size_t askers_count_ = 0;
+    /// Of the hellos that were answered last. Above 24 bits: none.
+    std::array<std::uint32_t, kAnsweredLately> answered_sessions_;
+    std::size_t answered_count_ = 0;
+    Instant answers_paid_{};  ///< the answers of hellos so far count until then
 
     bool bound_ = false;
     std::uint32_t session_ = 0;

@@ -12,9 +12,10 @@ std::uint32_t session_from(const RandomSeed& seed) {
 }  // namespace
 
 Sender::Sender(const LinkMacs& macs, const RandomSeed& seed)
-    : macs_(macs), session_(session_from(seed)) {}
+    : macs_(macs), random_(seed), session_(session_from(seed)) {}
 
 void Sender::use_seed(const RandomSeed& seed) {
+    random_ = Mac(seed);
     session_ = session_from(seed);
 }
 
@@ -37,12 +38,18 @@ bool Sender::hear(std::span<const std::uint8_t> message, Instant received) {
     return true;
 }
 
+Duration Sender::pause_behind_hello() {
+    const auto word = random_bytes<2>(random_, 'H', hellos_++);
+    const std::int64_t of_all = word[0] | std::int64_t{word[1]} << 8U;
+    return kHelloPeriod - kHelloJitter + 2 * kHelloJitter * of_all / 0x10000;
+}
+
 bool Sender::write_hello(HelloMessage& message, Instant now) {
     const bool challenged = challenge_ && now - challenged_ <= kHelloAfter;
-    if (challenged || (said_hello_ && now - *said_hello_ < kHelloPeriod)) {
+    if (challenged || (next_hello_ && now < *next_hello_)) {
         return false;
     }
-    said_hello_ = now;
+    next_hello_ = now + pause_behind_hello();
     emit_hello(session_, message);
     const std::span<std::uint8_t> bytes(message);
     std::ranges::copy(macs_.hello.of(bytes.first(kHelloBodyBytes)),

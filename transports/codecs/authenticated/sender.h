@@ -16,8 +16,10 @@ namespace tribus::authenticated {
 /// receiver; without one there is none. Pure: no descriptor, clock or heap. Thread-bound.
 class Sender {
   public:
-    /// It asks for a challenge that often, if the newest one is older than that or there is none.
+    /// It asks for a challenge that often, if the newest one is older than `kHelloAfter` or there
+    /// is none: each time so much earlier or later that nobody can foresee the next hello.
     static constexpr Duration kHelloPeriod = std::chrono::milliseconds(100);
+    static constexpr Duration kHelloJitter = std::chrono::milliseconds(25);
     static constexpr Duration kHelloAfter = std::chrono::milliseconds(200);
 
     /// `seed`: another one after each start.
@@ -36,13 +38,17 @@ class Sender {
     bool write(const ChannelFrame& channels, SnapshotMessage& message, Instant now);
 
   private:
+    Duration pause_behind_hello();
+
     LinkMacs macs_;
+    Mac random_;
     std::uint32_t session_;
     std::optional<Challenge> challenge_;
     std::optional<SnapshotMac> answers_;  ///< of `challenge_`
     Instant challenged_{};
     std::uint16_t counter_ = 0;
-    std::optional<Instant> said_hello_;
+    std::optional<Instant> next_hello_;
+    std::uint32_t hellos_ = 0;
 };
 
 }  // namespace tribus::authenticated

@@ -48,6 +48,7 @@ class NetworkDecoder final : public FramedDecoder {
     explicit NetworkDecoder(std::unique_ptr<CanDecoder> messages);
 
     void use_seed(const RandomSeed& seed) override { messages_->use_seed(seed); }
+    void use_random(RandomSource random) override { messages_->use_random(random); }
     void use_numbers(NumberReservation& numbers) override { messages_->use_numbers(numbers); }
     std::span<const std::uint8_t> answer(Instant now) override;
     LinkCause why_garbled() const override { return messages_->why_garbled(); }

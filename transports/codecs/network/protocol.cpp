@@ -28,7 +28,8 @@ std::vector<SettingMistake> check_network(const SettingValues& settings, Setting
 
 /// The ids are of no meaning here, but must differ.
 authenticated::FdLink in_datagrams(const LinkWithKey& link) {
-    return {.keys = link, .sender_id = 1, .receiver_id = 0};
+    // An answer is a datagram, to whom the latest one came from.
+    return {.keys = link, .sender_id = 1, .receiver_id = 0, .answers = 1};
 }
 
 AnyDecoder make_network_decoder(const SettingValues& settings) {

@@ -76,6 +76,37 @@ TEST_F(AuthenticatedLink, RefusesWhatBelongsToAnEarlierLifeOfTheReceiver) {
     EXPECT_TRUE(again.next(snapshot(sender_, at(202ms)), at(202ms))) << "no hand is needed";
 }
 
+/// Bytes that are random at each call.
+RandomSeed fresh_bytes() {
+    static std::uint8_t calls = 0;
+    return {++calls};
+}
+
+/// Its memory is that of before, so all that it does depends on the same bytes once more.
+TEST_F(AuthenticatedLink, OfAReceiverWhoseMemoryWasRestoredTakesNothingThatWasRecorded) {
+    receiver_.use_random(fresh_bytes);
+    Receiver restored = receiver_;
+    HelloMessage greeting{};
+    ASSERT_TRUE(sender_.write_hello(greeting, at(0ms)));
+    EXPECT_FALSE(receiver_.next(greeting, at(0ms)));
+    ASSERT_TRUE(sender_.hear(answer(receiver_, at(0ms)), at(0ms)));
+    std::size_t live = 0;
+    std::size_t again = 0;
+    EXPECT_FALSE(restored.next(greeting, at(1h)));
+    EXPECT_FALSE(answer(restored, at(1h)).empty());
+    for (Duration now = 10ms; now < 10s; now += 10ms) {
+        const auto message = snapshot(sender_, at(now));
+        live += receiver_.next(message, at(now)) ? 1U : 0U;
+        if (const auto question = answer(receiver_, at(now)); !question.empty()) {
+            sender_.hear(question, at(now));
+        }
+        again += restored.next(message, at(1h + now)) ? 1U : 0U;
+        answer(restored, at(1h + now));
+    }
+    EXPECT_EQ(live, 999U);
+    EXPECT_EQ(again, 0U);
+}
+
 TEST_F(AuthenticatedLink, GoesOnWithASenderThatStartedAgain) {
     ask(at(0ms));
     EXPECT_TRUE(receiver_.next(snapshot(sender_, at(10ms)), at(10ms)));

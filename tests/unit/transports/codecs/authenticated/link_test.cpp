@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -46,19 +47,47 @@ TEST_F(AuthenticatedLink, SendsNoSnapshotBeforeAChallenge) {
     EXPECT_TRUE(snapshot(sender_, at(0ms)).empty());
 }
 
-TEST_F(AuthenticatedLink, SaysHelloEach100MillisecondsUntilItIsChallengedAndAfterChallengesStop) {
+/// Times of hellos before 2 s, of a sender that is challenged once.
+std::vector<Duration> hellos_of(Sender& sender, Receiver& receiver, Duration challenged) {
     std::vector<Duration> said;
     HelloMessage message{};
-    for (Duration now = 0ms; now < 1000ms; now += 10ms) {
-        if (now == 250ms) {
-            ask(at(now));
-        }
-        if (sender_.write_hello(message, at(now))) {
+    ChallengeMessage question{};
+    for (Duration now = 0ms; now < 2s; now += 1ms) {
+        const bool says = sender.write_hello(message, at(now));
+        if (says) {
             said.push_back(now);
         }
+        if (says && now >= challenged && said.size() > 1 && said[said.size() - 2] < challenged) {
+            EXPECT_FALSE(receiver.next(message, at(now)));
+            EXPECT_TRUE(receiver.answer(question, at(now)));
+            EXPECT_TRUE(sender.hear(question, at(now)));
+        }
     }
-    EXPECT_EQ(said,
-              (std::vector<Duration>{0ms, 100ms, 200ms, 460ms, 560ms, 660ms, 760ms, 860ms, 960ms}));
+    return said;
+}
+
+TEST_F(AuthenticatedLink, SaysHelloEach75To125MillisecondsUntilItIsChallenged) {
+    const auto said = hellos_of(sender_, receiver_, 2s);
+    ASSERT_EQ(said.front(), 0ms);
+    std::set<Duration> pauses;
+    for (std::size_t i = 1; i < said.size(); ++i) {
+        const Duration pause = said[i] - said[i - 1];
+        EXPECT_GE(pause, 75ms);
+        EXPECT_LE(pause, 125ms);
+        pauses.insert(pause);
+    }
+    EXPECT_GE(said.size(), 17U);
+    EXPECT_GE(pauses.size(), 8U) << "nobody can foresee the next one";
+    Sender other(macs(), seed_of(kOtherSession));
+    EXPECT_NE(hellos_of(other, receiver_, 2s), said);
+}
+
+TEST_F(AuthenticatedLink, SaysHelloAgainWhenChallengesStop) {
+    const auto said = hellos_of(sender_, receiver_, 500ms);
+    const auto challenged = std::ranges::lower_bound(said, Duration(500ms));
+    ASSERT_NE(challenged, said.end());
+    ASSERT_NE(challenged + 1, said.end());
+    EXPECT_EQ(*(challenged + 1) - *challenged, 201ms);
 }
 
 TEST_F(AuthenticatedLink, ChallengesAgainAtMostEach50MillisecondsWhileSnapshotsCount) {
@@ -99,8 +128,8 @@ TEST_F(AuthenticatedLink, AnswersRepeatedHellosRarelyAndWithTheSameChallenge) {
             different.insert(question);
         }
     }
-    EXPECT_LE(answers, 450U);
-    EXPECT_GE(answers, 400U);
+    EXPECT_LE(answers, 1800U + Receiver::kAnswersAtOnce);
+    EXPECT_GE(answers, 1700U);
     EXPECT_LE(different.size(), 18U + 1U);
     EXPECT_TRUE(receiver_.next(early, at(901ms))) << "the first challenge still counts";
 }
@@ -185,6 +214,34 @@ TEST_F(AuthenticatedLink, TakesAnOldKeyBesideTheNewOneWhileKeysAreChanged) {
     EXPECT_FALSE(Receiver(changed, std::nullopt, kSeed).next(hello(kSession), at(0ms)));
 }
 
+/// Whatever the hellos of one session use up, another one is answered.
+TEST_F(AuthenticatedLink, AnswersANewSessionWhateverHellosOfOthersAreRepeated) {
+    for (int i = 0; i < 1000; ++i) {
+        challenge(at(0ms), kOtherSession);
+    }
+    EXPECT_TRUE(challenge(at(0ms), kOtherSession).empty());
+    EXPECT_FALSE(challenge(at(0ms)).empty());
+}
+
+/// On a bus many ask before the receiver answers.
+TEST_F(AuthenticatedLink, AnswersEachWhoWaitsWhenThereIsTime) {
+    for (std::uint32_t session = 1; session <= 80; ++session) {
+        EXPECT_FALSE(receiver_.next(hello(session), at(0ms)));
+    }
+    std::size_t answers = 0;
+    while (!answer(receiver_, at(0ms)).empty()) {
+        ++answers;
+    }
+    EXPECT_EQ(answers, static_cast<std::size_t>(Receiver::kAnswersAtOnce));
+    for (std::uint32_t session = 1; session <= 10; ++session) {
+        EXPECT_FALSE(receiver_.next(hello(0x200000 + session), at(0ms)));
+    }
+    EXPECT_TRUE(answer(receiver_, at(0ms)).empty());
+    for (int i = 1; i <= 10; ++i) {
+        EXPECT_FALSE(answer(receiver_, at(i * Receiver::kAnswerPeriod)).empty()) << i;
+    }
+}
+
 /// Who repeats recorded hellos keeps nobody from an answer whose snapshots count.
 TEST_F(AuthenticatedLink, AnswersASnapshotThatCountsWhateverHellosAreRepeated) {
     ask(at(0ms));
@@ -194,8 +251,11 @@ TEST_F(AuthenticatedLink, AnswersASnapshotThatCountsWhateverHellosAreRepeated) {
     const auto question = answer(receiver_, at(110ms));
     EXPECT_TRUE(sender_.hear(question, at(110ms))) << "the hello came behind it";
     EXPECT_FALSE(challenge(at(159ms), kOtherSession).empty());
+    for (std::uint32_t session = 1; session <= 100; ++session) {
+        challenge(at(160ms), session);
+    }
     EXPECT_TRUE(receiver_.next(snapshot(sender_, at(160ms)), at(160ms)));
-    EXPECT_TRUE(sender_.hear(answer(receiver_, at(160ms)), at(160ms))) << "it came 1 ms before";
+    EXPECT_TRUE(sender_.hear(answer(receiver_, at(160ms)), at(160ms))) << "they came before";
 }
 
 }  // namespace
