@@ -178,7 +178,6 @@ void Output::set_device_present(bool present) {
                 frame.set(channel, failsafe_.presets[channel]);
             }
             ongoing_.glide.apply(frame, now);
-            map_.restart_from(frame, now);
             break;
     }
     frame.frame_lost = true;
@@ -196,7 +195,8 @@ void Output::set_device_present(bool present) {
 }
 
 /// A limit that still leads back from the presets does not end before it has.
-void Output::glide_to_another_input() {
+[[gnu::noinline]] void Output::glide_to_another_input() {
+    ++ongoing_.counts.changeovers;
     if (!changeover_us_per_second_) {
         return;
     }
@@ -207,34 +207,65 @@ void Output::glide_to_another_input() {
     }
 }
 
-/// What was held until the latest frame did not move until then.
-[[gnu::noinline]] void Output::rest_slews() {
+/// What was held until the latest frame did not move until then. After failsafe, channels go on
+/// from what was said last.
+void Output::rest_slews(bool after_failsafe) {
     map_.rest(ongoing_.latest_at);
     ongoing_.glide.rest(ongoing_.latest_at);
+    if (after_failsafe) {
+        // The channel of `release_when` moves while others are held, or it would wait for ever.
+        const bool moves = failsafe_.action == FailsafeAction::hold && failsafe_.release_when;
+        const std::uint32_t moving = moves ? 1U << failsafe_.release_when->channel : 0;
+        map_.restart_from(ongoing_.latest, ongoing_.latest_at, ~moving);
+    }
 }
 
-/// The frame of the selected input. False while `release_when` does not hold.
-bool Output::make_control_frame(ChannelFrame& frame, Instant now) {
+/// Both what the sticks say and what would be sent have to fulfil `release_when`: a slew that
+/// starts at a low preset hides a high throttle.
+bool Output::released(const ChannelFrame& frame) {
+    const ValueRule& rule = *failsafe_.release_when;
+    const ChannelFrame aim = map_.aim(selector_.frame());
+    const bool stick_fulfils = rule.matches(aim);
+    ongoing_.release_pulse = (stick_fulfils ? frame : aim).channel(rule.channel);
+    return stick_fulfils && rule.matches(frame);
+}
+
+/// The first frame of the selected input after failsafe or held values. False while `release_when`
+/// does not hold.
+[[gnu::noinline]] bool Output::make_first_control_frame(ChannelFrame& frame, Instant now) {
     const bool returns = ongoing_.stage == OutputStage::failsafe;
-    if (ongoing_.stage != OutputStage::control) {
-        rest_slews();
-    }
+    rest_slews(returns);
     if (selector_.has_slews()) {
         selector_.keep_slews(returns, now - ongoing_.latest_at);
     }
-    frame = map_.apply(selector_.frame(), now);
-    ongoing_.awaits_release =
-        returns && failsafe_.release_when && !failsafe_.release_when->matches(frame);
+    map_.apply(selector_.frame(), frame, now);
+    ongoing_.awaits_release = returns && failsafe_.release_when && !released(frame);
     if (ongoing_.awaits_release) {
-        ongoing_.release_pulse = frame.channel(failsafe_.release_when->channel);
         return false;
     }
     if (returns) {
         ongoing_.counts.recoveries += ongoing_.held ? 1U : 0U;
         glide_from_latest(failsafe_.slew_us_per_second);
     } else if (selector_.changed_over()) {
-        ++ongoing_.counts.changeovers;
         glide_to_another_input();
+    }
+    return true;
+}
+
+/// The frame of the selected input. False while `release_when` does not hold.
+bool Output::make_control_frame(ChannelFrame& frame, Instant now) {
+    if (ongoing_.stage != OutputStage::control) {
+        if (!make_first_control_frame(frame, now)) {
+            return false;
+        }
+    } else {
+        if (selector_.has_slews()) {
+            selector_.keep_slews(false, now - ongoing_.latest_at);
+        }
+        map_.apply(selector_.frame(), frame, now);
+        if (selector_.changed_over()) {
+            glide_to_another_input();
+        }
     }
     ongoing_.stage = OutputStage::control;
     valid_until_ = selector_.alive_until();
@@ -247,7 +278,9 @@ bool Output::make_control_frame(ChannelFrame& frame, Instant now) {
 void Output::enter_failsafe() {
     ongoing_.stage = OutputStage::failsafe;
     ++ongoing_.counts.failsafe_entries;
-    glide_from_latest(failsafe_.slew_us_per_second);
+    if (glides_into_failsafe()) {
+        glide_from_latest(failsafe_.slew_us_per_second);
+    }
 }
 
 /// Frame of an output that no input feeds. It sends named values, each of which is fresh or marked
@@ -297,16 +330,16 @@ bool Output::make_frame(ChannelFrame& frame, Instant now, std::span<const Input>
 /// Replaces absent channels by their presets if the format cannot mark a channel as absent.
 [[gnu::noinline]] void Output::fill_absent(ChannelFrame& frame, Instant now) {
     const std::uint32_t needed = encoder_.encoder().needed_channels(frame);
-    const std::uint32_t absent = needed & frame.absent();
-    if (absent == 0) {
+    const std::uint32_t missing = needed & frame.absent();
+    if (missing == 0) {
         return;
     }
-    by_preset_ = absent & mapped_channels_;
-    for (std::uint32_t missing = absent; missing != 0; missing &= missing - 1) {
-        const auto channel = static_cast<std::size_t>(std::countr_zero(missing));
+    by_preset_ = missing & mapped_channels_;
+    for (std::uint32_t left = missing; left != 0; left &= left - 1) {
+        const auto channel = static_cast<std::size_t>(std::countr_zero(left));
         frame.set(channel, failsafe_.presets[channel]);
     }
-    map_.restart_from(frame, now, absent);
+    map_.restart_from(frame, now, missing);
 }
 
 /// No channels leave that the encoder withholds, whatever the link hands over.

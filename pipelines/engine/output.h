@@ -239,13 +239,19 @@ class Output {
     bool must_yield(Instant now) const;
     bool make_frame_without_inputs(ChannelFrame& frame, bool yielding);
     bool make_frame(ChannelFrame& frame, Instant now, std::span<const Input> inputs);
+    bool make_first_control_frame(ChannelFrame& frame, Instant now);
     bool make_control_frame(ChannelFrame& frame, Instant now);
     bool make_failsafe_frame(ChannelFrame& frame, Instant now);
     void look_for_withheld();
     void enter_failsafe();
     void glide_from_latest(std::optional<double> us_per_second);
     void glide_to_another_input();
-    void rest_slews();
+    void rest_slews(bool after_failsafe);
+    /// A glide that is under way rests while values are held.
+    bool glides_into_failsafe() const {
+        return failsafe_.slew_us_per_second || failsafe_.action != FailsafeAction::hold;
+    }
+    bool released(const ChannelFrame& frame);
     void take_up_channels();
     void fill_absent(ChannelFrame& frame, Instant now);
 

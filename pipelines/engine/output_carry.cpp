@@ -21,7 +21,7 @@ void Output::continue_from(Output& before, const OutputCarry& carry,
     } else {
         take_up_channels();
     }
-    if (ongoing_.stage == OutputStage::failsafe && !carry.same_failsafe) {
+    if (ongoing_.stage == OutputStage::failsafe && !carry.same_failsafe && glides_into_failsafe()) {
         glide_from_latest(failsafe_.slew_us_per_second);
     }
     if (selector_.inputs().empty()) {
@@ -42,8 +42,7 @@ void Output::take_up_channels() {
     if (ongoing_.held) {
         const ChannelFrame said = *ongoing_.held;
         ongoing_.held = map_.apply(selector_.frame(), ongoing_.latest_at);
-        ongoing_.glide.rest(ongoing_.latest_at);
-        ongoing_.glide.apply(*ongoing_.held, ongoing_.latest_at);
+        ongoing_.glide.show(*ongoing_.held);
         ongoing_.held->frame_lost = said.frame_lost;
         ongoing_.held->failsafe = said.failsafe;
         ongoing_.held->cause = said.cause;

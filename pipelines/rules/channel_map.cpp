@@ -250,6 +250,21 @@ ChannelMap::ChannelMap(std::span<const ChannelRule> rules) {
     }
 }
 
+ChannelFrame ChannelMap::aim(const ChannelFrame& input) {
+    ChannelFrame output = input;
+    straight_lanes_.apply(input, output);
+    for (Lane& lane : lanes_) {
+        std::optional<WidePulse> pulse = std::visit(SourceReader{input, lines_}, lane.source);
+        for (Filter& filter : lane.filters) {
+            if (pulse && !std::holds_alternative<SlewFilter>(filter)) {
+                pulse = std::visit([&](auto& step) { return step.apply(*pulse, {}); }, filter);
+            }
+        }
+        output.set(lane.output, pulse ? std::optional(Pulse::from_eighths(*pulse)) : std::nullopt);
+    }
+    return output;
+}
+
 template <class Action>
 void ChannelMap::for_each_slew(Action action) {
     for (Lane& lane : lanes_) {

@@ -105,14 +105,21 @@ class ChannelMap {
 
     /// Every channel reads from `input`, never from another output channel. It is absent if its
     /// source is absent. Flags, time and origin pass.
-    ChannelFrame apply(const ChannelFrame& input, Instant now) {
-        ChannelFrame output = input;
+    void apply(const ChannelFrame& input, ChannelFrame& output, Instant now) {
+        output = input;
         straight_lanes_.apply(input, output);
         if (!lanes_.empty()) {
             apply_lanes(input, output, now);
         }
+    }
+    ChannelFrame apply(const ChannelFrame& input, Instant now) {
+        ChannelFrame output;
+        apply(input, output, now);
         return output;
     }
+
+    /// What `apply` would make without slews. Moves none.
+    ChannelFrame aim(const ChannelFrame& input);
 
     /// Sets the levels of the input lines.
     void set_lines(LineLevels levels) { lines_ = levels; }

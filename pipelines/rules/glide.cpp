@@ -43,4 +43,12 @@ void Glide::start_anew(const ChannelFrame& from, double us_per_second, Instant n
     }
 }
 
+void Glide::show(ChannelFrame& frame) const {
+    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+        if (under_way_[channel] && frame.has(channel)) {
+            frame.set(channel, Pulse::from_eighths(nearest_whole(reached_eighths_[channel])));
+        }
+    }
+}
+
 }  // namespace tribus

@@ -28,6 +28,8 @@ class Glide {
             move(frame, now);
         }
     }
+    /// Sets them to the values that they have reached, and moves none.
+    void show(ChannelFrame& frame) const;
 
   private:
     void move(ChannelFrame& frame, Instant now);

@@ -37,6 +37,17 @@ TEST(ReleaseWhen, is_waited_for_no_longer_where_the_input_is_lost_before_it_come
     EXPECT_FALSE(bench.engine().outputs()[0].state(at(1s)).awaits_release);
 }
 
+TEST(ReleaseWhen, is_not_asked_for_after_a_loss_within_hold) {
+    Bench bench(
+        list(ibus_input()),
+        list(sbus_output({0}, {.release_when = ValueRule{.channel = 0, .below = us(1050)}})));
+    bench.ibus_run(0, at(1ms), at(500ms), us(1000));
+    bench.ibus_run(0, at(500ms), at(1s), us(1500));
+    bench.ibus_run(0, at(1200ms), at(1300ms), us(1500));
+    EXPECT_TRUE(bench.said(at(1190ms)).frame_lost);
+    EXPECT_FALSE(bench.said(at(1300ms)).frame_lost);
+}
+
 TEST(StandbyInput, does_not_set_the_beat_of_a_locked_grid) {
     OutputSettings output = sbus_output({0, 1});
     output.schedule = {.kind = ScheduleKind::grid, .period = 14ms, .phase = Phase::locked};

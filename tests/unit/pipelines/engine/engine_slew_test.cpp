@@ -66,6 +66,87 @@ TEST(SlewOfAnOutput, moves_no_faster_in_the_first_frame_after_silence_than_since
     EXPECT_NEAR(first->frame.raw[0] - (first - 1)->frame.raw[0], kSlow * silent_s * 8 / 5, 1);
 }
 
+TEST(SlewOfAnOutput, goes_on_from_what_was_held_although_release_when_was_waited_for) {
+    OutputSettings output =
+        sbus_output({0}, {.hold = 0ms,
+                          .action = FailsafeAction::hold,
+                          .recover = 0ms,
+                          .release_when = ValueRule{.channel = 2, .below = us(1050)}});
+    output.channels = slow_first_channel();
+    Bench bench(list(ibus_input()), list(std::move(output)));
+    const auto sticks = [&](Duration from, Duration until, int first, int third) {
+        for (Duration when = from; when < until; when += 8ms) {
+            bench.ibus(0, at(when), us(first), us(third));
+        }
+    };
+    sticks(1ms, 1s, 1500, 1000);
+    sticks(2s, 4s, 2000, 1500);
+    EXPECT_TRUE(bench.said(at(4s)).failsafe);
+    sticks(4001ms, 5s, 2000, 1000);
+    EXPECT_FALSE(bench.said(at(5s)).failsafe);
+    EXPECT_LE(largest_step(bench, at(100ms)), kSlowStep);
+}
+
+/// The changeover is slower than the slew, so the channel lags behind what the slew allows.
+TEST(SlewOfAnOutput, goes_on_after_silence_from_what_a_changeover_had_reached) {
+    OutputSettings output =
+        sbus_output({0, 1}, {.hold = 0ms, .action = FailsafeAction::silence, .recover = 0ms});
+    output.channels = {{.output = 0, .source = FromChannel{0}, .slew_us_per_second = 1000}};
+    output.selection.changeover_us_per_second = 10;
+    Bench bench(list(sbus_input(), sbus_input()), list(std::move(output)));
+    stick(bench, 0, at(1ms), at(1s), 1200);
+    stick(bench, 1, at(3ms), at(2s), 1800);
+    const int before = bench.said(at(1890ms)).raw[0];
+    EXPECT_LT(before, raw_of(1250));
+    stick(bench, 1, at(2010ms), at(2100ms), 1800);
+    const auto first =
+        std::ranges::find_if(bench.seen(), [](const Seen& seen) { return seen.at > at(2s); });
+    const double silent_ms =
+        std::chrono::duration<double, std::milli>(first->at - (first - 1)->at).count();
+    EXPECT_LE(first->frame.raw[0] - (first - 1)->frame.raw[0], silent_ms * 8 / 5 + 1);
+}
+
+TEST(GlideAfterAChangeover, is_not_lost_in_held_values_by_a_reload_in_failsafe) {
+    const auto with_trim = [](int trim_us) {
+        OutputSettings output =
+            sbus_output({0, 1}, {.hold = 0ms, .action = FailsafeAction::hold, .recover = 0ms});
+        output.channels = {{.output = 4, .source = FromChannel{4}, .trim = us(trim_us)}};
+        output.selection.changeover_us_per_second = kSlow;
+        return output;
+    };
+    Bench bench(list(sbus_input(), sbus_input()), list(with_trim(0)));
+    stick(bench, 0, at(1ms), at(1s), 1000);
+    stick(bench, 1, at(3ms), at(1500ms), 2000);
+    bench.said(at(2s));
+    Engine next(list(sbus_input(), sbus_input()), list(with_trim(10)));
+    EngineCarry carry{.inputs = {{.from = 0}, {.from = 1}},
+                      .outputs = {{.from = 0, .same_schedule = true}},
+                      .nodes = {}};
+    bench.loop().run_until(at(2s));
+    next.start(at(2s));
+    next.continue_from(bench.engine(), carry, at(2s));
+    bench.loop().go_on_with(next, nullptr, at(2s));
+    bench.said(at(3s));
+    EXPECT_LE(largest_step(bench, at(500ms)), kSlowStep);
+}
+
+/// The slew starts at the preset, 988 us, so the first frames would fulfil it.
+TEST(ReleaseWhen, waits_for_the_stick_although_its_channel_comes_slowly_from_a_low_preset) {
+    OutputSettings output =
+        sbus_output({0}, {.release_when = ValueRule{.channel = 2, .below = us(1050)}});
+    output.channels = {{.output = 2, .source = FromChannel{2}, .slew_us_per_second = kSlow}};
+    Bench bench(list(ibus_input()), list(std::move(output)));
+    for (Duration when = 1ms; when < 2s; when += 8ms) {
+        bench.ibus(0, at(when), us(1500), us(2000));
+    }
+    EXPECT_TRUE(bench.said(at(2s)).failsafe);
+    EXPECT_EQ(bench.engine().outputs()[0].wait(at(2s), bench.engine().inputs()).pulse, us(2000));
+    for (Duration when = 2001ms; when < 2100ms; when += 8ms) {
+        bench.ibus(0, at(when), us(1500), us(1000));
+    }
+    EXPECT_FALSE(bench.said(at(2100ms)).failsafe);
+}
+
 TEST(SlewOfAnInput, does_not_make_up_for_the_time_of_a_loss) {
     InputSettings input = sbus_input();
     input.channels = slow_first_channel();
