@@ -37,13 +37,13 @@ TEST(Sitl, WritesEightOrSixteenWordsTheLowByteFirst) {
                                            "b004 dc05 dc05 dc05 dc05 dc05 dc05 dc05"));
 }
 
-TEST(Sitl, NeverWritesAZeroWhichWouldKeepTheValueBefore) {
+TEST(Sitl, WritesNeitherAZeroWhichWouldKeepTheValueBeforeNor4096) {
     for (int eighths = -32768; eighths <= 32767; ++eighths) {
         ChannelFrame frame;
         frame.set(0, Pulse::from_eighths(eighths));
         const Bytes bytes = encoded(frame, 8);
         const int word = bytes[0] | bytes[1] << 8;
-        ASSERT_EQ(word, std::max((eighths + 4) >> 3, 1)) << eighths;
+        ASSERT_EQ(word, std::clamp((eighths + 4) >> 3, 1, 4095)) << eighths;
     }
     EXPECT_EQ(SitlEncoder(8).needed_channels({}), 0xFFU);
     EXPECT_EQ(SitlEncoder(16).needed_channels({}), 0xFFFFU);
