@@ -202,6 +202,14 @@ TEST(MavlinkEncoder, IsReadBackToTheStepOfEachMessage) {
     expect_round_trip(MavlinkChannels::manual_control, 1000, 2000, 1);
 }
 
+TEST(MavlinkEncoder, WritesTheLongestPulseAsOneThatReadersTake) {
+    MavlinkDecoder decoder({});
+    MavlinkEncoder encoder({.message = MavlinkChannels::rc_channels_override, .channels = 2});
+    const auto frames = feed(decoder, encoded(encoder, frame_of_microseconds({4095.875, 4095.5})));
+    ASSERT_EQ(frames.size(), 1U);
+    EXPECT_EQ(pulses_of(frames[0].channels), (std::vector<double>{4095, 4095}));
+}
+
 TEST(MavlinkEncoder, LimitsWhatAMessageCannotCarry) {
     const ChannelFrame frame = frame_of_microseconds({-4000, 4000, -4000, 4000});
     MavlinkDecoder radio({});

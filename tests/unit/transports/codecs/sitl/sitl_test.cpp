@@ -37,7 +37,7 @@ TEST(Sitl, WritesEightOrSixteenWordsTheLowByteFirst) {
                                            "b004 dc05 dc05 dc05 dc05 dc05 dc05 dc05"));
 }
 
-TEST(Sitl, NeverWritesAZeroWhichWouldKeepTheValueBefore) {
+TEST(Sitl, WritesNeitherAZeroWhichWouldKeepTheValueBeforeNor4096) {
     for (int eighths = -32768; eighths <= 32767; ++eighths) {
         ChannelFrame frame;
         frame.set(0, Pulse::from_eighths(eighths));
