@@ -1,7 +1,7 @@
 #include "app/epoch/epoch_file.h"
 
-#include <fcntl.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -19,13 +19,14 @@
 #include "pipelines/realtime/clock.h"
 #include "tests/support/temporary_folder.h"
 #include "transports/codecs/authenticated/broadcast.h"
-#include "transports/links/unique_fd.h"
 
 /// The file of `epoch`, and what is left of it after a program was killed.
 namespace tribus::test::epoch_file_test {
 namespace {
 
 namespace fs = std::filesystem;
+
+std::atomic<bool> disk_hangs = false;
 
 constexpr NumberBlocks kBlocks{.block = 100, .ahead = 50};
 /// Steps of 10 us that an end reserves when it starts: 20 s, and 12 hours.
@@ -124,32 +125,20 @@ TEST_F(OpenEpoch, BeginsWhereItsProgramEnded) {
     EXPECT_EQ(stored(), text_of(71));
 }
 
-/// From its beginning to `answer`, no epoch file can be written there: who opens a pipe without a
-/// reader waits.
+/// From its beginning to `answer`, who waits for the disk does not come back.
 class HangingDisk {
   public:
-    explicit HangingDisk(const TemporaryFolder& folder) : pipe_(folder / ".boat.epoch.new") {
-        EXPECT_EQ(::mkfifo(pipe_.c_str(), 0600), 0);
-    }
+    HangingDisk() { disk_hangs = true; }
     HangingDisk(const HangingDisk&) = delete;
     HangingDisk& operator=(const HangingDisk&) = delete;
     ~HangingDisk() { answer(); }
-    void answer() {
-        if (!reader_.valid()) {
-            reader_ = UniqueFd(::open(pipe_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
-            ::unlink(pipe_.c_str());
-        }
-    }
-
-  private:
-    std::string pipe_;
-    UniqueFd reader_;
+    void answer() { disk_hangs = false; }
 };
 
 TEST_F(OpenEpoch, IsLeftByAReloadThatDoesNotWaitForItsDisk) {
     auto epoch = file();
     ASSERT_TRUE(epoch->open(SettingScope::input));
-    HangingDisk disk(folder_);
+    HangingDisk disk;
     std::atomic<bool> left = false;
     std::thread reload([&] {
         epoch.reset();
@@ -167,7 +156,7 @@ TEST_F(OpenEpoch, GoesOnWithTheNextConfigurationOnceItCouldStoreAgain) {
     auto epoch = file();
     ASSERT_TRUE(epoch->open(SettingScope::input));
     EXPECT_TRUE(epoch->use(70, kBlocks));
-    HangingDisk disk(folder_);
+    HangingDisk disk;
     epoch.reset();
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     epoch = file();
@@ -340,3 +329,11 @@ TEST_F(OpenEpoch, GivesNoMoreNumbersThanItCouldStoreAndGoesOnWhenItCan) {
 
 }  // namespace
 }  // namespace tribus::test::epoch_file_test
+
+/// In place of that of the C library.
+extern "C" int fsync(int descriptor) {
+    while (tribus::test::epoch_file_test::disk_hangs) {
+        ::usleep(1000);
+    }
+    return static_cast<int>(::syscall(SYS_fsync, descriptor));
+}
