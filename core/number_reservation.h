@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 namespace tribus {
@@ -10,6 +11,10 @@ struct NumberBlocks {
     std::uint64_t block = 0;
     std::uint64_t ahead = 0;
 };
+
+/// No number is as high: nobody gets there in thousands of years, and sums of two below it do not
+/// overflow.
+inline constexpr std::uint64_t kEndOfNumbers = (std::uint64_t{1} << 63U) - 1;
 
 /// Numbers that an end of a link uses once for ever, also over restarts: each only after it is
 /// stored that it and all below it may have been used. Those of a sender follow its clock, so that
@@ -26,17 +31,24 @@ class NumberReservation {
     std::uint64_t next() const { return next_; }
     /// The number that belongs to a step of the clock. Only for a sender.
     virtual std::uint64_t at(std::uint64_t step) = 0;
-    /// Uses `number`, which is `next` or above it, and all below it. False if it is not reserved
-    /// yet. Asks for more before they are used up.
+    /// Those of a receiver by one of its keys, which move the numbers of no other key: a stolen key
+    /// cannot use up those of the next one. `id`: another one for each key. It lasts as long as
+    /// this. Main thread.
+    virtual NumberReservation& of_key(std::uint32_t /*id*/) { return *this; }
+    /// Uses `number`, which is `next` or above it, and all below it. False if it is too high or not
+    /// reserved yet. Asks for more before they are used up.
     bool use(std::uint64_t number, const NumberBlocks& blocks) {
+        if (number >= kEndOfNumbers) {
+            return false;
+        }
         const std::uint64_t end = reserved();
         if (number + blocks.ahead >= end) {
-            want(number + blocks.block);
+            want(std::min(number + blocks.block, kEndOfNumbers));
         }
         if (number >= end) {
             return false;
         }
-        next_ = number + 1;
+        next_ = std::max(next_, number + 1);
         return true;
     }
 

@@ -7,6 +7,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <chrono>
@@ -35,8 +36,9 @@ namespace {
 
 constexpr std::string_view kFirstLine = "tribus epoch 1\n";
 constexpr std::string_view kSecondLine = "next ";
+constexpr std::string_view kKeyLine = "key ";
 constexpr std::string_view kThirdLine = "clock ";
-constexpr std::size_t kMostBytes = 256;
+constexpr std::size_t kMostBytes = 512;
 constexpr mode_t kOwnerOnly = 0600;
 /// A stack of the usual 8 MB would count as locked memory.
 constexpr std::size_t kEpochStackBytes = std::size_t{128} * 1024;
@@ -50,13 +52,14 @@ const NumberBlocks& blocks_of(SettingScope way) {
 }
 
 /// Removes `word` and the number behind it, which a blank or the end of the line ends.
-std::optional<std::uint64_t> take_number(std::string_view& text, std::string_view word) {
+std::optional<std::uint64_t> take_number(std::string_view& text, std::string_view word,
+                                         int base = 10) {
     if (!text.starts_with(word)) {
         return std::nullopt;
     }
     text.remove_prefix(word.size());
     std::uint64_t number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, base);
     text.remove_prefix(static_cast<std::size_t>(end - text.data()));
     if (error != std::errc{} || text.empty() || (text.front() != '\n' && text.front() != ' ')) {
         return std::nullopt;
@@ -97,6 +100,7 @@ tl::expected<void, std::string> EpochFile::open(SettingScope way) {
         opened = stored ? tl::expected<void, std::string>{} : tl::unexpected(stored.error());
         if (stored) {
             begin_after(*stored, way);
+            begin_keys(*stored);
             opened = store(next() + block_);
         }
     }
@@ -137,10 +141,18 @@ std::optional<EpochFile::Content> EpochFile::content_of(std::string_view text) {
     }
     text.remove_prefix(kFirstLine.size());
     const auto number = take_number(text, kSecondLine);
-    if (!number || *number >= 2 * kMostFirst) {
+    if (!number || *number > kEndOfNumbers) {
         return std::nullopt;
     }
     Content content{.next = *number};
+    while (text.starts_with(kKeyLine)) {
+        const auto id = take_number(text, kKeyLine, 16);
+        const auto of_key = take_number(text, "");
+        if (!id || *id > UINT32_MAX || !of_key || *of_key > kEndOfNumbers) {
+            return std::nullopt;
+        }
+        content.keys.push_back({static_cast<std::uint32_t>(*id), *of_key});
+    }
     if (text.starts_with(kThirdLine)) {
         text.remove_prefix(kThirdLine.size());
         content.run.name = text.substr(0, text.find(' '));
@@ -190,7 +202,7 @@ void EpochFile::begin_after(const Content& stored, SettingScope way) {
     run_ = clock_run();
     const std::uint64_t now = stored.zero + step;
     // A file reserves at most a block ahead: a clock that is further behind went back.
-    const bool goes_on = !run_->name.empty() && run_->is_same(stored.run) && now < 2 * kMostFirst &&
+    const bool goes_on = !run_->name.empty() && run_->is_same(stored.run) && now < kEndOfNumbers &&
                          now + blocks_of(way).block >= stored.next;
     const std::uint64_t first = goes_on ? now : stored.next + authenticated::kNewClockNumbers;
     begin(first);
@@ -208,14 +220,23 @@ std::string EpochFile::clock_line() {
                                zero_.load(std::memory_order_acquire));
 }
 
-/// Any thread, but one at a time.
-tl::expected<void, std::string> EpochFile::store(std::uint64_t end) {
-    auto stored = replace_file(
-        path_, fmt::format("{}{}{}\n{}", kFirstLine, kSecondLine, end, clock_line()), kOwnerOnly);
+/// Any thread, but one at a time. `ended`: nobody uses numbers any more.
+tl::expected<void, std::string> EpochFile::store(std::uint64_t end, bool ended) {
+    end = std::min(end, kEndOfNumbers);
+    const std::vector<KeyNumber> keys = ends_of_keys(ended);
+    std::string text = fmt::format("{}{}{}\n", kFirstLine, kSecondLine, end);
+    for (const KeyNumber& key : keys) {
+        text += fmt::format("{}{:08x} {}\n", kKeyLine, key.id, key.number);
+    }
+    auto stored = replace_file(path_, text + clock_line(), kOwnerOnly);
     if (!stored) {
         return tl::unexpected("cannot write " + stored.error());
     }
     reserved_.store(end, std::memory_order_release);
+    const std::lock_guard guard(mutex_);
+    for (const KeyNumber& key : keys) {
+        std::ranges::find(keys_, key.id, &OfKey::id)->stored(key.number);
+    }
     return {};
 }
 
@@ -247,14 +268,19 @@ void EpochFile::wait_for_work(Duration longest) const {
 
 /// The data thread calls it. It neither waits nor allocates.
 void EpochFile::want(std::uint64_t end) {
-    wanted_.store(end, std::memory_order_relaxed);
+    wanted_.store(std::max(end, wanted_.load(std::memory_order_relaxed)),
+                  std::memory_order_relaxed);
+    ask_to_store();
+}
+
+void EpochFile::ask_to_store() {
     if (!storing_.exchange(true)) {
         signal();
     }
 }
 
 void EpochFile::store_wanted() {
-    const auto stored = store(wanted_.load(std::memory_order_relaxed));
+    const auto stored = store(std::max(wanted_.load(std::memory_order_relaxed), reserved()));
     {
         const std::lock_guard guard(mutex_);
         error_ = stored ? "" : stored.error();

@@ -3,12 +3,14 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <list>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <tl/expected.hpp>
 
@@ -21,13 +23,14 @@
 namespace tribus {
 
 /// The file of `epoch`: below which number one end of a link may have used all of them. Its lines
-/// are `tribus epoch 1` and `next NUMBER`, and that of a sender has `clock RUN ASLEEP ZERO`: the
-/// ClockRun, its time asleep in ns, and the number of step 0 of the clock, so that a sender that
-/// starts again goes on by the same clock. While the program runs, the number in the file is the
-/// end of what is reserved, and after it ended the exact one. The data thread uses the numbers; a
-/// thread of its own writes the file, so that nobody waits for a slow disk: neither a link that
-/// runs, nor a reload that ends it. Thread-bound to the main thread, unless a function says
-/// otherwise.
+/// are `tribus epoch 1` and `next NUMBER`. That of a receiver has `key ID NUMBER` for each key,
+/// with ID in hexadecimal digits; `next` is for keys that it does not name. That of a sender has
+/// `clock RUN ASLEEP ZERO`: the ClockRun, its time asleep in ns, and the number of step 0 of the
+/// clock, so that a sender that starts again goes on by the same clock. While the program runs, the
+/// number in the file is the end of what is reserved, and after it ended the exact one. The data
+/// thread uses the numbers; a thread of its own writes the file, so that nobody waits for a slow
+/// disk: neither a link that runs, nor a reload that ends it. Thread-bound to the main thread,
+/// unless a function says otherwise.
 class EpochFile final : public NumberReservation {
   public:
     /// It has no numbers until `open`. In one process a path has one of these at a time, so that a
@@ -49,14 +52,43 @@ class EpochFile final : public NumberReservation {
     std::uint64_t at(std::uint64_t step) override {
         return zero_.load(std::memory_order_acquire) + step;
     }
+    NumberReservation& of_key(std::uint32_t id) override;
     /// Logs if the file is in memory, cannot be written any more, or can again. After a suspend a
     /// sender's numbers follow a new clock. Call it a few times a second. `run`: of now.
     void look(const ClockRun& run = clock_run());
 
   private:
+    /// The numbers of one key of a receiver.
+    class OfKey final : public NumberReservation {
+      public:
+        OfKey(EpochFile& file, std::uint32_t id, std::uint64_t first);
+        std::uint64_t at(std::uint64_t step) override { return file_.at(step); }
+        std::uint32_t id() const { return id_; }
+        /// Before the first `use`.
+        void begin_at(std::uint64_t first, std::uint64_t wanted);
+        /// The end of what was asked for.
+        std::uint64_t wanted() const { return wanted_.load(std::memory_order_relaxed); }
+        void stored(std::uint64_t end) { reserved_.store(end, std::memory_order_release); }
+
+      private:
+        std::uint64_t reserved() const override {
+            return reserved_.load(std::memory_order_acquire);
+        }
+        void want(std::uint64_t end) override;
+
+        EpochFile& file_;
+        std::uint32_t id_;
+        std::atomic<std::uint64_t> reserved_{0};
+        std::atomic<std::uint64_t> wanted_{0};
+    };
+    struct KeyNumber {
+        std::uint32_t id = 0;
+        std::uint64_t number = 0;
+    };
     /// The numbers and the clock that a file names.
     struct Content {
         std::uint64_t next = 0;
+        std::vector<KeyNumber> keys{};
         ClockRun run{};
         std::uint64_t zero = 0;
     };
@@ -69,13 +101,17 @@ class EpochFile final : public NumberReservation {
     void take_up_again();
     std::uint64_t reserved() const override { return reserved_.load(std::memory_order_acquire); }
     void want(std::uint64_t end) override;
+    void ask_to_store();
     tl::expected<void, std::string> lock();
     static std::optional<Content> content_of(std::string_view text);
     tl::expected<Content, std::string> read(SettingScope way) const;
     void begin_after(const Content& stored, SettingScope way);
     void set_clock(std::uint64_t number, std::uint64_t step);
     std::string clock_line();
-    tl::expected<void, std::string> store(std::uint64_t end);
+    void begin_keys(const Content& stored);
+    void take_up_keys_again();
+    std::vector<KeyNumber> ends_of_keys(bool ended);
+    tl::expected<void, std::string> store(std::uint64_t end, bool ended = false);
     tl::expected<void, std::string> start_thread();
     static void* main(void* self);
     void store_until_closed();
@@ -91,6 +127,8 @@ class EpochFile final : public NumberReservation {
     std::atomic<std::uint64_t> reserved_{0};
     std::atomic<std::uint64_t> zero_{0};  ///< the number of step 0, modulo 2^64
     std::atomic<std::uint64_t> wanted_{0};
+    std::list<OfKey> keys_;            ///< those of this run last; under `mutex_`
+    std::uint64_t first_of_keys_ = 0;  ///< that the file does not name; under `mutex_`
 
     /// Who sets it wakes the file's thread, which clears it.
     std::atomic<bool> storing_{false};

@@ -74,13 +74,14 @@ void EpochFile::take_up_again() {
     }
     ends_ = false;
     reserved_.store(next(), std::memory_order_release);
+    take_up_keys_again();
     want(next() + block_);
 }
 
 /// In its thread, once nobody used it. Returns false if somebody does again; else it is no more.
 bool EpochFile::close() {
     // If that fails, the file still has a number that is high enough.
-    static_cast<void>(store(next()));
+    static_cast<void>(store(next(), true));
     Registry& all = registry();
     const std::lock_guard guard(all.mutex);
     if (!ends_) {

@@ -88,11 +88,8 @@ class PlainLink {
                            const LinkBytes& body) const {
         return of_snapshot('S', joined({nonce, session}), {body[10], body[11]}, body);
     }
-    /// Of a snapshot to receivers that do not answer.
-    LinkBytes broadcast_mac(const LinkBytes& body) const {
-        const LinkBytes number(body.begin() + 4, body.begin() + 12);
-        return of_snapshot('B', {number.begin() + 2, number.end()}, {number[0], number[1]}, body);
-    }
+    /// Of a snapshot to receivers that do not answer, bytes 0 to 47.
+    LinkBytes broadcast_mac(const LinkBytes& body) const { return aes_cmac(key('E'), body); }
 
   private:
     LinkBytes key(char purpose) const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <map>
 #include <optional>
 
 #include "core/number_reservation.h"
@@ -20,6 +21,12 @@ class StoredNumbers final : public NumberReservation {
         begin(zero_ ? at(authenticated::clock_step(now)) : stored_);
         reserved_ = stored_;
         wanted_ = 0;
+        for (auto& [id, numbers] : of_keys_) {
+            numbers.start(now);
+        }
+    }
+    NumberReservation& of_key(std::uint32_t id) override {
+        return of_keys_.try_emplace(id, stored_).first->second;
     }
     /// The least number that was not used belongs to the first step that is asked for.
     std::uint64_t at(std::uint64_t step) override {
@@ -29,6 +36,9 @@ class StoredNumbers final : public NumberReservation {
     void store() {
         stored_ = std::max(stored_, wanted_);
         reserved_ = stored_;
+        for (auto& [id, numbers] : of_keys_) {
+            numbers.store();
+        }
     }
     /// The machine starts again or was suspended: what a sender has used is known, but not how much
     /// time has passed since.
@@ -37,7 +47,12 @@ class StoredNumbers final : public NumberReservation {
         zero_ = stored_ - authenticated::clock_step(now);
     }
     /// As an orderly end, after which nothing that was reserved is lost.
-    void stop() { stored_ = next(); }
+    void stop() {
+        stored_ = next();
+        for (auto& [id, numbers] : of_keys_) {
+            numbers.stop();
+        }
+    }
 
   private:
     std::uint64_t reserved() const override { return reserved_; }
@@ -47,6 +62,7 @@ class StoredNumbers final : public NumberReservation {
     std::uint64_t reserved_ = 0;
     std::uint64_t wanted_ = 0;
     std::optional<std::uint64_t> zero_{};
+    std::map<std::uint32_t, StoredNumbers> of_keys_;
 };
 
 }  // namespace tribus::test

@@ -38,7 +38,7 @@ class FramedDecoder : public ByteDecoder {
             rejected_[kOwn + i].name = own_causes[i];
         }
     }
-    static constexpr std::size_t kMostOwnCauses = 6;
+    static constexpr std::size_t kMostOwnCauses = 8;
     /// Counts a frame that the derived class refuses, by the index of the cause.
     void refuse(std::size_t own_cause) { ++rejected_[kOwn + own_cause].count; }
 

@@ -17,10 +17,10 @@
 
 /// Snapshots for receivers that cannot answer. Each has a number that is never used again, in steps
 /// of kTimeStep: so it also tells when the snapshot was sent, by the sender's clock.
-///   bytes 0 to 3, 12 to 47 as in a snapshot that answers a challenge
+///   byte 0      as in a snapshot that answers a challenge, and kBroadcastVersion in bits 4 to 7
+///   bytes 1 to 3, 12 to 47 as there
 ///   bytes 4-11  number, low byte first
-///   bytes 48-63 SnapshotMac of the low 16 bits of the number and the bytes before it; its key is
-///               made of the other 48 bits
+///   bytes 48-63 Mac of the bytes before it
 namespace tribus::authenticated {
 
 /// A sender leaves out at least so many numbers, a day, where it does not know how much time passed
@@ -33,26 +33,9 @@ constexpr std::uint64_t clock_step(Instant now) {
     return static_cast<std::uint64_t>(now.time_since_epoch() / kTimeStep);
 }
 
-/// The MACs of broadcast snapshots by one key. Thread-bound.
-class BroadcastMacs {
-  public:
-    explicit BroadcastMacs(const Mac& keys) : keys_(keys) {}
-
-    MacBytes of(std::uint64_t number, std::span<const std::uint8_t> body) {
-        return mac_for(number).of(static_cast<std::uint16_t>(number), body);
-    }
-    bool is_right(std::span<const std::uint8_t> told, std::uint64_t number,
-                  std::span<const std::uint8_t> body) {
-        return mac_for(number).is_right(told, static_cast<std::uint16_t>(number), body);
-    }
-
-  private:
-    SnapshotMac& mac_for(std::uint64_t number);
-
-    Mac keys_;
-    std::optional<std::uint64_t> key_number_{};  ///< the high 48 bits
-    std::optional<SnapshotMac> mac_{};
-};
+/// Version 0 had another MAC, which two numbers that are the same would have broken: those of a
+/// file that was restored or copied.
+inline constexpr std::uint8_t kBroadcastVersion = 1;
 
 /// The end that sends. Pure: no descriptor, clock or heap. Thread-bound.
 class BroadcastSender {
@@ -61,7 +44,7 @@ class BroadcastSender {
     static constexpr NumberBlocks kNumbers{.block = std::uint64_t{1} << 32U,
                                            .ahead = std::chrono::hours(1) / kTimeStep};
 
-    explicit BroadcastSender(const Mac& keys) : macs_(keys) {}
+    explicit BroadcastSender(const Mac& key) : key_(key) {}
 
     /// Without them it sends nothing. Call before the first `write`. Must outlive it.
     void use_numbers(NumberReservation& numbers) { numbers_ = &numbers; }
@@ -70,7 +53,7 @@ class BroadcastSender {
     bool write(const ChannelFrame& channels, SnapshotMessage& message, Instant now);
 
   private:
-    BroadcastMacs macs_;
+    Mac key_;
     NumberReservation* numbers_ = nullptr;
 };
 
@@ -89,16 +72,13 @@ class BroadcastReceiver {
     static constexpr std::int64_t kDriftParts = 5000;
 
     /// `old`: of a second key that counts too, while keys are changed.
-    BroadcastReceiver(const Mac& keys, const std::optional<Mac>& old);
+    BroadcastReceiver(const Mac& key, const std::optional<Mac>& old);
 
     /// Without them it publishes nothing. Call before the first `next`. Must outlive it.
-    void use_numbers(NumberReservation& numbers) { numbers_ = &numbers; }
+    void use_numbers(NumberReservation& numbers);
 
-    /// From now on the keys of `fresh` count. Order and quickest snapshot stay.
-    void use_keys_of(const BroadcastReceiver& fresh) {
-        macs_ = fresh.macs_;
-        old_ = fresh.old_;
-    }
+    /// From now on the keys of `fresh` count. Order and quickest snapshots stay.
+    void use_keys_of(const BroadcastReceiver& fresh);
 
     /// Takes a message that arrived at `received`. `received` of what it publishes is the time
     /// since which the values may have been old.
@@ -106,29 +86,41 @@ class BroadcastReceiver {
 
     /// Why messages were refused: "no_key", which are none of a link with a key; "forged", whose
     /// MAC is wrong; "replayed", whose number may have been used; "not_stored", whose number is not
-    /// reserved yet.
+    /// reserved yet; "other_version", which another version of tribus sends.
     std::span<const NamedCount> rejected() const { return rejected_; }
     /// The kind of the latest message: `garbled` if it was not refused.
     LinkCause why_refused() const { return why_refused_; }
+    /// Says so if the latest message was one of another version. Returns the length.
+    std::size_t write_fault(std::span<char> text) const;
 
   private:
-    enum Refusal : std::size_t { kNoKey, kForged, kReplayed, kNotStored, kRefusals };
-
-    std::optional<ChannelFrame> refuse(Refusal refusal, LinkCause cause);
-    Duration delay_of(std::uint64_t number, Instant received);
-
-    BroadcastMacs macs_;
-    std::optional<BroadcastMacs> old_;
-    NumberReservation* numbers_ = nullptr;
+    enum Refusal : std::size_t { kNoKey, kForged, kReplayed, kNotStored, kOtherVersion, kRefusals };
     /// The snapshot that was the quickest, as far as clocks that drift can tell.
     struct Quickest {
         std::uint64_t number = 0;
         Instant received{};
     };
-    std::optional<Quickest> quickest_;
+    /// A key, and what is known of its snapshots.
+    struct Key {
+        explicit Key(const Mac& its_mac);
+
+        Mac mac;
+        std::uint32_t id = 0;  ///< of its numbers
+        NumberReservation* numbers = nullptr;
+        std::optional<Quickest> quickest{};
+
+        std::uint64_t next() const { return numbers != nullptr ? numbers->next() : 0; }
+        Duration delay_of(std::uint64_t number, Instant received);
+    };
+
+    std::optional<ChannelFrame> refuse(Refusal refusal, LinkCause cause);
+
+    Key key_;
+    std::optional<Key> old_;
+    bool other_version_ = false;  ///< the latest message
     LinkCause why_refused_ = LinkCause::garbled;
     std::array<NamedCount, kRefusals> rejected_{
-        {{"no_key"}, {"forged"}, {"replayed"}, {"not_stored"}}};
+        {{"no_key"}, {"forged"}, {"replayed"}, {"not_stored"}, {"other_version"}}};
 };
 
 }  // namespace tribus::authenticated

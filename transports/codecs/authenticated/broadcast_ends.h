@@ -31,6 +31,9 @@ class BroadcastDecoder final : public CanDecoder {
     std::span<const NamedCount> rejected() const override { return receiver_.rejected(); }
     void use_keys_of(const DecoderReport& fresh) override;
     LinkCause why_garbled() const override { return receiver_.why_refused(); }
+    std::size_t write_fault(std::span<char> text) const override {
+        return receiver_.write_fault(text);
+    }
 
   private:
     CanIdMatch sender_id_;

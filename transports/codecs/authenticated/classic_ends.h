@@ -93,6 +93,9 @@ class ClassicDecoder final : public CanDecoder {
     std::span<const NamedCount> rejected() const override { return rejected_; }
     void use_keys_of(const DecoderReport& fresh) override;
     LinkCause why_garbled() const override { return messages_->why_garbled(); }
+    std::size_t write_fault(std::span<char> text) const override {
+        return messages_->write_fault(text);
+    }
 
   private:
     void count_rejected();

@@ -2,7 +2,6 @@
 
 #include <nettle/hmac.h>
 
-#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -10,9 +9,8 @@ namespace tribus::authenticated {
 namespace {
 
 Mac mac_for(const SecretKey& secret, Purpose purpose, std::string_view link) {
-    auto key = link_key(secret, purpose, link);
+    const LinkKey key = link_key(secret, purpose, link);
     Mac mac(key);
-    ::explicit_bzero(key.data(), key.size());
     // The first one brings the library's code into memory, before frames flow.
     static_cast<void>(mac.of(key));
     return mac;
@@ -42,12 +40,17 @@ Mac::~Mac() {
 }
 
 MacBytes Mac::of(std::span<const std::uint8_t> first, std::span<const std::uint8_t> second) {
+    MacBytes mac{};
+    write(mac, first, second);
+    return mac;
+}
+
+void Mac::write(std::span<std::uint8_t, kMacBytes> mac, std::span<const std::uint8_t> first,
+                std::span<const std::uint8_t> second) {
     cmac_aes128_update(&context_, first.size(), first.data());
     cmac_aes128_update(&context_, second.size(), second.data());
-    MacBytes mac{};
     // Begins anew, too.
     cmac_aes128_digest(&context_, mac.size(), mac.data());
-    return mac;
 }
 
 bool Mac::is_right(std::span<const std::uint8_t> told, std::span<const std::uint8_t> first,
@@ -55,8 +58,7 @@ bool Mac::is_right(std::span<const std::uint8_t> told, std::span<const std::uint
     return same_mac(told, of(first, second));
 }
 
-std::array<std::uint8_t, kMacBytes> link_key(const SecretKey& secret, Purpose purpose,
-                                             std::string_view link) {
+LinkKey link_key(const SecretKey& secret, Purpose purpose, std::string_view link) {
     constexpr std::string_view kProtocol = "tribus authenticated link 1";
     const auto add = [](hmac_sha256_ctx& hash, std::string_view text) {
         hmac_sha256_update(&hash, text.size(), reinterpret_cast<const std::uint8_t*>(text.data()));
@@ -67,7 +69,7 @@ std::array<std::uint8_t, kMacBytes> link_key(const SecretKey& secret, Purpose pu
     const auto letter = static_cast<std::uint8_t>(purpose);
     hmac_sha256_update(&hash, 1, &letter);
     add(hash, link);
-    std::array<std::uint8_t, kMacBytes> key{};
+    LinkKey key;
     hmac_sha256_digest(&hash, key.size(), key.data());
     ::explicit_bzero(&hash, sizeof hash);
     return key;
@@ -83,11 +85,11 @@ LinkMacs::LinkMacs(const SecretKey& secret, std::string_view link)
 SnapshotMac::SnapshotMac(Mac& keys, std::span<const std::uint8_t> answered) {
     std::array<std::uint8_t, POLY1305_AES_KEY_SIZE> key{};
     static_assert(key.size() == 2 * kMacBytes);
-    const std::span<std::uint8_t> bytes(key);
+    const std::span<std::uint8_t, POLY1305_AES_KEY_SIZE> bytes(key);
     constexpr std::array<std::uint8_t, 1> kFirstHalf{'K'};
     constexpr std::array<std::uint8_t, 1> kSecondHalf{'R'};
-    std::ranges::copy(keys.of(kFirstHalf, answered), bytes.first(kMacBytes).begin());
-    std::ranges::copy(keys.of(kSecondHalf, answered), bytes.subspan(kMacBytes).begin());
+    keys.write(bytes.first<kMacBytes>(), kFirstHalf, answered);
+    keys.write(bytes.last<kMacBytes>(), kSecondHalf, answered);
     poly1305_aes_set_key(&context_, key.data());
     ::explicit_bzero(key.data(), key.size());
 }

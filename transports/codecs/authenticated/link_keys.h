@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <string_view>
 
@@ -28,6 +29,9 @@ class Mac {
 
     /// MAC of both parts, one behind the other.
     MacBytes of(std::span<const std::uint8_t> first, std::span<const std::uint8_t> second = {});
+    /// The same where the MAC becomes a key: it leaves no copy.
+    void write(std::span<std::uint8_t, kMacBytes> mac, std::span<const std::uint8_t> first,
+               std::span<const std::uint8_t> second);
     /// Whether `told` is the whole MAC of both parts. A part of a MAC is wrong. Takes the same time
     /// for every wrong MAC.
     bool is_right(std::span<const std::uint8_t> told, std::span<const std::uint8_t> first,
@@ -57,14 +61,21 @@ enum class Purpose : std::uint8_t {
     snapshot = 'S',
     challenge = 'C',
     hello = 'H',
-    broadcast = 'B',
+    broadcast = 'E',
+};
+
+/// A key that was made of a secret. Its memory is cleared at the end.
+struct LinkKey : MacBytes {
+    LinkKey() : MacBytes{} {}
+    LinkKey(const LinkKey&) = default;
+    LinkKey& operator=(const LinkKey&) = default;
+    ~LinkKey() { ::explicit_bzero(data(), size()); }
 };
 
 /// The key of one purpose on one link: the first 128 bits of HMAC-SHA-256 by the secret, over
 /// "tribus authenticated link 1", the purpose and the link's name. `link` names the link at both
 /// ends, with its medium and its id there: two links with one secret have different keys.
-std::array<std::uint8_t, kMacBytes> link_key(const SecretKey& secret, Purpose purpose,
-                                             std::string_view link);
+LinkKey link_key(const SecretKey& secret, Purpose purpose, std::string_view link);
 
 /// The MACs of one link, for either end.
 struct LinkMacs {

@@ -48,8 +48,9 @@ bool is_long(std::span<const std::uint8_t> bytes) {
 }
 
 /// Behind the first, in the order of SignatureFault. Without a key only the first occurs.
-constexpr std::array<std::string_view, 6> kMavlinkCauses{
-    "other_sender", "unsigned", "wrong_signature", "replayed", "too_old", "too_many_streams"};
+constexpr std::array<std::string_view, 8> kMavlinkCauses{
+    "other_sender", "unsigned", "wrong_signature", "replayed", "too_old", "too_many_streams",
+    "late",         "ahead"};
 
 std::span<const std::string_view> causes_with(const std::optional<SecretKey>& key) {
     return std::span(kMavlinkCauses).first(key ? kMavlinkCauses.size() : 1);
@@ -156,8 +157,11 @@ bool MavlinkMessages::read(std::span<const std::uint8_t> frame, ChannelFrame& ch
     if (kind == nullptr || (frame[0] == kVersion1 && length < kind->length_1)) {
         return false;
     }
-    if (verifier_ && !is_genuine(frame, header.id, channels.received)) {
-        return false;
+    if (verifier_) {
+        if (!is_genuine(frame, header.id, channels.received)) {
+            return false;
+        }
+        age_ = verifier_->delay();
     }
     MavlinkMessage message{.id = header.id, .system = header.system, .component = header.component};
     std::ranges::copy(frame.subspan(header.bytes, std::min<std::size_t>(length, kind->length)),

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstring>
 #include <ratio>
 
 namespace tribus {
@@ -15,8 +16,10 @@ namespace {
 /// From 1970 to 2015, when time stamps begin.
 constexpr Duration kStampsBegin = std::chrono::seconds(1420070400);
 using StampUnits = std::chrono::duration<std::int64_t, std::ratio<1, 100000>>;
-/// A stream may begin with a message that is so old.
-constexpr std::uint64_t kOldestBeginning = StampUnits(std::chrono::minutes(1)).count();
+/// A stream may begin with a message that is so old, or so far ahead.
+constexpr std::uint64_t kMostOff = StampUnits(std::chrono::minutes(1)).count();
+constexpr std::uint64_t kClose =
+    std::chrono::duration_cast<StampUnits>(MavlinkVerifier::kCloseTimes).count();
 
 /// 0 before 2015.
 std::uint64_t stamp_of(Duration since_2015) {
@@ -41,12 +44,18 @@ MavlinkHash::MavlinkHash(const SecretKey& secret) {
     static_cast<void>(of(secret));
 }
 
+MavlinkHash::~MavlinkHash() {
+    ::explicit_bzero(&begun_, sizeof begun_);
+}
+
 std::array<std::uint8_t, kHashBytes> MavlinkHash::of(
     std::span<const std::uint8_t> signed_part) const {
     sha256_ctx hash = begun_;
     sha256_update(&hash, signed_part.size(), signed_part.data());
     std::array<std::uint8_t, kHashBytes> first{};
     sha256_digest(&hash, first.size(), first.data());
+    // The secret is in the first block.
+    ::explicit_bzero(&hash, sizeof hash);
     return first;
 }
 
@@ -75,34 +84,79 @@ std::optional<SignatureFault> MavlinkVerifier::fault_of(std::span<const std::uin
     return take({.system = frame[5],
                  .component = frame[6],
                  .link_id = signature[0],
-                 .latest = stamp_in(signature.subspan(1))},
-                received);
+                 .stamp = stamp_in(signature.subspan(1)),
+                 .received = received});
 }
 
-std::optional<SignatureFault> MavlinkVerifier::take(const Stream& message, Instant received) {
+std::optional<SignatureFault> MavlinkVerifier::take(const Message& message) {
     const auto known = std::span(streams_).first(known_);
     const auto stream = std::ranges::find_if(known, [&](const Stream& one) {
-        return one.system == message.system && one.component == message.component &&
-               one.link_id == message.link_id;
+        return one.latest.system == message.system && one.latest.component == message.component &&
+               one.latest.link_id == message.link_id;
     });
-    if (stream != known.end()) {
-        if (message.latest <= stream->latest) {
-            return SignatureFault::replayed;
-        }
-        stream->latest = message.latest;
-    } else {
-        const std::uint64_t clock =
-            clock_ != nullptr ? stamp_of(clock_->at(received) - kStampsBegin) : 0;
-        if (message.latest + kOldestBeginning < std::max(newest_, clock)) {
-            return SignatureFault::too_old;
-        }
-        if (known_ == kMostStreams) {
-            return SignatureFault::no_room;
-        }
-        streams_[known_++] = message;
+    return stream != known.end() ? go_on(*stream, message) : begin(message);
+}
+
+bool MavlinkVerifier::is_ahead(std::uint64_t stamp, Instant received) const {
+    return clock_ != nullptr && clock_->at(received) >= kLeastSetTime &&
+           stamp > stamp_of(clock_->at(received) - kStampsBegin) + kMostOff;
+}
+
+std::optional<SignatureFault> MavlinkVerifier::begin(const Message& message) {
+    const std::uint64_t clock =
+        clock_ != nullptr ? stamp_of(clock_->at(message.received) - kStampsBegin) : 0;
+    if (message.stamp + kMostOff < std::max(newest_, clock)) {
+        return SignatureFault::too_old;
     }
-    newest_ = std::max(newest_, message.latest);
+    if (is_ahead(message.stamp, message.received)) {
+        return SignatureFault::ahead;
+    }
+    if (known_ == kMostStreams) {
+        return SignatureFault::no_room;
+    }
+    streams_[known_++] = {.latest = message, .quickest = message};
+    newest_ = std::max(newest_, message.stamp);
+    delay_ = {};
     return std::nullopt;
+}
+
+std::optional<SignatureFault> MavlinkVerifier::go_on(Stream& stream, const Message& message) {
+    if (message.stamp <= stream.latest.stamp) {
+        return SignatureFault::replayed;
+    }
+    const auto passed = std::chrono::floor<StampUnits>(message.received - stream.latest.received);
+    const auto expected = static_cast<std::int64_t>(stream.latest.stamp) + passed.count();
+    // A clock that is ahead more and more cannot cost the control that there is.
+    if (static_cast<std::int64_t>(message.stamp) > expected + std::int64_t{kMostOff} &&
+        is_ahead(message.stamp, message.received)) {
+        return SignatureFault::ahead;
+    }
+    const Duration delay = delay_in(stream, message);
+    stream.latest = message;
+    newest_ = std::max(newest_, message.stamp);
+    if (delay > kMostDelay) {
+        return SignatureFault::late;
+    }
+    delay_ = delay;
+    return std::nullopt;
+}
+
+/// Of messages that were read together only the first tells how quick the way is: the thread may
+/// not have run meanwhile.
+Duration MavlinkVerifier::delay_in(Stream& stream, const Message& message) {
+    stream.close = message.stamp - stream.latest.stamp <= kClose ? stream.close + 1 : 0;
+    const bool counts = stream.close >= kCountedMessages;
+    stream.close = counts ? kCountedMessages : stream.close;
+    const Duration told = StampUnits(message.stamp - stream.quickest.stamp);
+    const Duration passed = message.received - stream.quickest.received;
+    const Duration delay = counts ? Duration{} : passed - told - passed / kDriftParts;
+    if (delay > Duration{}) {
+        return delay;
+    }
+    if (message.received > stream.latest.received) {
+        stream.quickest = message;
+    }
+    return {};
 }
 
 }  // namespace tribus

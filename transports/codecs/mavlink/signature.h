@@ -3,6 +3,7 @@
 #include <nettle/sha2.h>
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -16,10 +17,14 @@
 /// Signatures of MAVLink 2 (docs/protocols/mavlink.md, "Signatures"). No heap. Thread-bound.
 namespace tribus {
 
-/// The hash that a signature begins with, by a secret that two ends share.
+/// The hash that a signature begins with, by a secret that two ends share. Its memory is cleared at
+/// the end.
 class MavlinkHash {
   public:
     explicit MavlinkHash(const SecretKey& secret);
+    MavlinkHash(const MavlinkHash&) = default;
+    MavlinkHash& operator=(const MavlinkHash&) = default;
+    ~MavlinkHash();
     /// The six bytes behind `signed_part`: all of a frame up to its time stamp.
     std::array<std::uint8_t, mavlink_wire::kHashBytes> of(
         std::span<const std::uint8_t> signed_part) const;
@@ -55,34 +60,65 @@ enum class SignatureFault : std::uint8_t {
     replayed,  ///< not newer than the one before of the same stream
     too_old,   ///< the first one of its stream, and more than a minute old
     no_room,   ///< the first one of more streams than are kept
+    late,      ///< more than a second later, by its time, than the quickest of its stream
+    ahead,     ///< its time leaps, or begins, more than a minute ahead of a clock that is set
 };
 
 /// Judges what many senders have signed. A stream is what one component of a system sends on one
-/// link. Streams are never forgotten, or an old message would begin one again.
+/// link. Streams are never forgotten, or an old message would begin one again. It cannot know how
+/// long the first message of a stream was on its way: it takes the quickest one since then as one
+/// that was not, and tells by how much the others were later. Many programs only add one to the
+/// time of each message; of these it tells no delay.
 class MavlinkVerifier {
   public:
     static constexpr std::size_t kMostStreams = 16;
+    /// So late a message may be.
+    static constexpr Duration kMostDelay = std::chrono::seconds(1);
+    /// Clocks of two machines, as they are set while they run, drift apart by at most one part in
+    /// so many.
+    static constexpr std::int64_t kDriftParts = 1000;
+    /// Messages of which each has a time at most so far behind the one before: that many in a row
+    /// come only from a sender that counts them.
+    static constexpr Duration kCloseTimes = std::chrono::milliseconds(1);
+    static constexpr int kCountedMessages = 8;
+    /// A clock before 2026 was not set.
+    static constexpr Duration kLeastSetTime = std::chrono::seconds(1767225600);
 
     explicit MavlinkVerifier(const SecretKey& secret) : hash_(secret) {}
     /// Without a clock, a stream may begin at any time that is not a minute before the latest one.
     void use_clock(const WallClock& clock) { clock_ = &clock; }
     /// Judges a whole frame whose CRC is right. Only a right signature changes what it keeps.
     std::optional<SignatureFault> fault_of(std::span<const std::uint8_t> frame, Instant received);
+    /// How much later than the quickest one of its stream the latest message that counts came.
+    Duration delay() const { return delay_; }
 
   private:
-    struct Stream {
+    struct Message {
         std::uint8_t system = 0;
         std::uint8_t component = 0;
         std::uint8_t link_id = 0;
-        std::uint64_t latest = 0;
+        std::uint64_t stamp = 0;
+        Instant received{};
     };
-    std::optional<SignatureFault> take(const Stream& message, Instant received);
+    struct Stream {
+        /// The one with the highest time, whether it was late or not.
+        Message latest{};
+        /// The quickest one, as far as clocks that drift can tell.
+        Message quickest{};
+        int close = 0;  ///< messages in a row, see kCloseTimes
+    };
+    std::optional<SignatureFault> take(const Message& message);
+    std::optional<SignatureFault> begin(const Message& message);
+    std::optional<SignatureFault> go_on(Stream& stream, const Message& message);
+    bool is_ahead(std::uint64_t stamp, Instant received) const;
+    static Duration delay_in(Stream& stream, const Message& message);
 
     MavlinkHash hash_;
     const WallClock* clock_ = nullptr;
     std::array<Stream, kMostStreams> streams_{};
     std::size_t known_ = 0;
     std::uint64_t newest_ = 0;  ///< of all streams
+    Duration delay_{};
 };
 
 }  // namespace tribus

@@ -52,6 +52,9 @@ class NetworkDecoder final : public FramedDecoder {
     void use_numbers(NumberReservation& numbers) override { messages_->use_numbers(numbers); }
     std::span<const std::uint8_t> answer(Instant now) override;
     LinkCause why_garbled() const override { return messages_->why_garbled(); }
+    std::size_t write_fault(std::span<char> text) const override {
+        return messages_->write_fault(text);
+    }
     void use_keys_of(const DecoderReport& fresh) override;
     std::span<const FrameDetail> details() const override { return messages_->details(); }
 

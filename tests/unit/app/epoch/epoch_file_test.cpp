@@ -168,6 +168,116 @@ TEST_F(OpenEpoch, GoesOnWithTheNextConfigurationOnceItCouldStoreAgain) {
     EXPECT_NE(stored(), text_of(71));
 }
 
+/// The same for the numbers of a key.
+TEST_F(OpenEpoch, OfAKeyGoesOnOnceItCouldStoreAgain) {
+    auto epoch = file();
+    NumberReservation* numbers = &epoch->of_key(0xAA);
+    ASSERT_TRUE(epoch->open(SettingScope::input));
+    EXPECT_TRUE(numbers->use(70, kBlocks));
+    HangingDisk disk;
+    epoch.reset();
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    epoch = file();
+    numbers = &epoch->of_key(0xAA);
+    EXPECT_EQ(numbers->next(), 71U);
+    EXPECT_FALSE(numbers->use(71, kBlocks));
+    disk.answer();
+    EXPECT_TRUE(comes([&] { return numbers->use(71, kBlocks); }));
+}
+
+TEST_F(OpenEpoch, StoresNoHigherNumberThanItReads) {
+    folder_.write("boat.epoch", text_of(kEndOfNumbers - 10));
+    {
+        const auto epoch = file();
+        ASSERT_TRUE(epoch->open(SettingScope::input));
+        EXPECT_EQ(stored(), text_of(kEndOfNumbers));
+        EXPECT_TRUE(epoch->use(kEndOfNumbers - 1, kBlocks));
+        EXPECT_FALSE(epoch->use(kEndOfNumbers, kBlocks));
+        EXPECT_FALSE(epoch->use(~std::uint64_t{0} - 20, kBlocks)) << "sums would overflow";
+        EXPECT_EQ(epoch->next(), kEndOfNumbers);
+    }
+    ASSERT_TRUE(EpochFile::wait_until_closed(kPatience));
+    EXPECT_EQ(stored(), text_of(kEndOfNumbers));
+    const auto again = file();
+    ASSERT_TRUE(again->open(SettingScope::input));
+    EXPECT_EQ(again->next(), kEndOfNumbers);
+}
+
+TEST_F(OpenEpoch, GoesNeverBack) {
+    folder_.write("boat.epoch", text_of(5000));
+    const auto epoch = file();
+    ASSERT_TRUE(epoch->open(SettingScope::input));
+    epoch->use(4000, kBlocks);
+    EXPECT_EQ(epoch->next(), 5000U);
+    constexpr std::uint64_t kFar = 1'000'000'000'000;
+    EXPECT_FALSE(epoch->use(kFar, kBlocks));
+    // A lower number that comes before the higher one is stored.
+    EXPECT_FALSE(epoch->use(kFar - 100'000, kBlocks));
+    EXPECT_TRUE(comes([&] { return epoch->use(kFar, kBlocks); }));
+    EXPECT_EQ(epoch->next(), kFar + 1);
+}
+
+TEST_F(OpenEpoch, HasNumbersOfItsOwnForEachKey) {
+    folder_.write("boat.epoch", text_of(5000) + "key 000000aa 7000\n");
+    {
+        const auto epoch = file();
+        NumberReservation& named = epoch->of_key(0xAA);
+        NumberReservation& other = epoch->of_key(0xBB);
+        ASSERT_TRUE(epoch->open(SettingScope::input));
+        EXPECT_EQ(named.next(), 7000U);
+        EXPECT_EQ(other.next(), 5000U) << "as before files named keys";
+        EXPECT_TRUE(named.use(7100, kBlocks)) << "it has reserved some";
+        EXPECT_FALSE(other.use(kEndOfNumbers - 1, kBlocks));
+        EXPECT_TRUE(comes([&] { return other.use(kEndOfNumbers - 1, kBlocks); }));
+        EXPECT_TRUE(named.use(7101, kBlocks));
+        EXPECT_EQ(&epoch->of_key(0xBB), &other);
+    }
+    ASSERT_TRUE(EpochFile::wait_until_closed(kPatience));
+    EXPECT_EQ(stored(), text_of(5000) + "key 000000aa 7102\nkey 000000bb 9223372036854775807\n");
+    const auto again = file();
+    ASSERT_TRUE(again->open(SettingScope::input));
+    EXPECT_EQ(again->of_key(0xAA).next(), 7102U);
+    EXPECT_EQ(again->of_key(0xBB).next(), kEndOfNumbers);
+    EXPECT_EQ(again->of_key(0xCC).next(), 5000U);
+}
+
+/// A killed program forgets what it used of its reservation.
+TEST_F(OpenEpoch, OfAKeyBeginsAfterAllThatMayHaveBeenUsedWhereItsProgramWasKilled) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+        const auto epoch = file();
+        NumberReservation& numbers = epoch->of_key(0xAA);
+        ::_exit(epoch->open(SettingScope::input) && numbers.use(70, kBlocks) ? 0 : 1);
+    }
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    ASSERT_EQ(status, 0);
+    const auto epoch = file();
+    ASSERT_TRUE(epoch->open(SettingScope::input));
+    EXPECT_EQ(epoch->of_key(0xAA).next(), kOfReceiver);
+}
+
+TEST_F(OpenEpoch, KeepsTheNumbersOfTheLatestFourKeys) {
+    for (std::uint32_t key = 1; key <= 6; ++key) {
+        {
+            const auto epoch = file();
+            NumberReservation& numbers = epoch->of_key(key);
+            ASSERT_TRUE(epoch->open(SettingScope::input));
+            EXPECT_TRUE(numbers.use(100 * key, kBlocks));
+        }
+        ASSERT_TRUE(EpochFile::wait_until_closed(kPatience));
+    }
+    EXPECT_EQ(stored(), text_of(0) + "key 00000003 301\nkey 00000004 401\nkey 00000005 501\n" +
+                            "key 00000006 601\n");
+}
+
+TEST_F(OpenEpoch, WithADamagedLineOfAKeyIsRefused) {
+    for (const char* const line : {"key 000000aa\n", "key 000000aa 9223372036854775808\n",
+                                   "key 1000000aa 5\n", "key aa 5", "key aa 5\nkey\n"}) {
+        EXPECT_NE(error_with(text_of(5000) + line), "none") << line;
+    }
+}
+
 TEST_F(OpenEpoch, IsTheSameForAllConfigurationsOfAProgram) {
     const auto before = file();
     ASSERT_TRUE(before->open(SettingScope::input));

@@ -1,10 +1,12 @@
 #include "transports/codecs/authenticated/broadcast.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -28,6 +30,11 @@ using Message = std::vector<std::uint8_t>;
 constexpr std::uint64_t kFirst = 0x0102030405060708;
 /// Computed as those of link_bench.h.
 constexpr std::string_view kDigits =
+    "106196000807060504030201401fd0206022f02380251027a028302ac02b502de02e7030003290332035b036"
+    "ffffffff1a171a4a98a4076e4ecf2f485b240028";
+
+/// What version 0 sent in its place, with Poly1305-AES.
+constexpr std::string_view kDigitsOfVersion0 =
     "006196000807060504030201401fd0206022f02380251027a028302ac02b502de02e7030003290332035b036"
     "ffffffff2efd7ea71674a4a9577a87da1c18fae9";
 
@@ -256,7 +263,8 @@ TEST_F(Broadcast, RefusesEverySnapshotWithAChangedBitOrACut) {
         wrong[bit / 8] ^= static_cast<std::uint8_t>(1U << bit % 8);
         EXPECT_FALSE(read(wrong, at(0ms))) << bit;
     }
-    EXPECT_EQ(rejected("forged"), 8 * right.size());
+    EXPECT_EQ(rejected("other_version"), 4U) << "the bits of the version";
+    EXPECT_EQ(rejected("forged") + 4, 8 * right.size());
     for (std::size_t length = 0; length < right.size(); ++length) {
         EXPECT_FALSE(
             read({right.begin(), right.begin() + static_cast<std::ptrdiff_t>(length)}, at(0ms)));
@@ -273,6 +281,97 @@ TEST_F(Broadcast, RefusesAnotherLinkAndTakesAnOldKey) {
     BroadcastReceiver changed(keys("can 0x300 ship"), keys());
     changed.use_numbers(received_);
     EXPECT_TRUE(changed.next(message, at(0ms)));
+}
+
+TEST_F(Broadcast, OfAnotherVersionIsRefusedAndNamed) {
+    std::array<char, 160> text{};
+    EXPECT_FALSE(read(from_hex(kDigitsOfVersion0), at(0ms)));
+    EXPECT_EQ(rejected("other_version"), 1U);
+    EXPECT_EQ(receiver_.why_refused(), LinkCause::garbled);
+    EXPECT_EQ(std::string_view(text.data(), receiver_.write_fault(text)),
+              "snapshots of another version of tribus; give both ends the same one");
+    EXPECT_TRUE(read(write(at(0ms)), at(0ms)));
+    EXPECT_EQ(receiver_.write_fault(text), 0U);
+}
+
+/// A snapshot that the key's holder could send.
+Message with_number(Mac key, std::uint64_t number) {
+    Message message = from_hex(kDigits);
+    for (std::size_t byte = 0; byte < 8; ++byte) {
+        message[4 + byte] = static_cast<std::uint8_t>(number >> (8 * byte));
+    }
+    const auto mac = key.of(std::span(message).first(48));
+    std::ranges::copy(mac, message.begin() + 48);
+    return message;
+}
+
+TEST_F(Broadcast, RefusesNumbersThatNoSenderReaches) {
+    for (const std::uint64_t number :
+         {kEndOfNumbers, kEndOfNumbers + 5, 0 - std::uint64_t{1'500'000}, ~std::uint64_t{0}}) {
+        EXPECT_FALSE(read(with_number(keys(), number), at(0ms))) << number;
+        store();
+        EXPECT_FALSE(read(with_number(keys(), number), at(0ms))) << number;
+    }
+    EXPECT_TRUE(read(write(at(10ms)), at(10ms))) << "they have used up nothing";
+    const Message highest = with_number(keys(), kEndOfNumbers - 1);
+    EXPECT_FALSE(read(highest, at(20ms)));
+    store();
+    EXPECT_TRUE(read(highest, at(20ms)));
+    EXPECT_FALSE(read(highest, at(20ms)));
+    EXPECT_FALSE(read(write(at(30ms)), at(30ms)));
+}
+
+/// Whoever has a stolen old key, while keys are changed, does not lock the new one out for ever.
+TEST_F(Broadcast, OfTheOldKeyUsesUpNoNumberOfTheNewOne) {
+    const Mac stolen = keys("stolen");
+    const BroadcastReceiver changed(keys(), stolen);
+    BroadcastReceiver fresh = changed;
+    fresh.use_numbers(received_);
+    receiver_.use_keys_of(fresh);
+    EXPECT_TRUE(read(write(at(0ms)), at(0ms)));
+    for (const std::uint64_t number : {std::uint64_t{1} << 40U, kEndOfNumbers - 1}) {
+        const Message message = with_number(stolen, number);
+        EXPECT_FALSE(read(message, at(1ms)));
+        store();
+        EXPECT_TRUE(read(message, at(1ms)));
+        EXPECT_FALSE(read(message, at(1ms)));
+    }
+    const auto frame = read(write(at(10ms)), at(10ms));
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->received, at(10ms) - 1500us) << "nor does it look late";
+    restart_receiver();
+    EXPECT_FALSE(read(write(at(30s)), at(30s))) << "no number is stored";
+    store();
+    EXPECT_TRUE(read(write(at(31s)), at(31s))) << "nor after a restart";
+}
+
+/// The same sender, with the same clock: the new key does not make what is held back young.
+TEST_F(Broadcast, KnowsTheDelayOverAChangeOfKeys) {
+    EXPECT_TRUE(read(write(at(0ms)), at(0ms)));
+    BroadcastReceiver fresh(keys("new"), keys());
+    fresh.use_numbers(received_);
+    receiver_.use_keys_of(fresh);
+    sender_ = BroadcastSender(keys("new"));
+    sender_.use_numbers(sent_);
+    EXPECT_FALSE(read(write(at(10ms)), at(310ms))) << "no number is stored";
+    store();
+    const auto late = read(write(at(20ms)), at(320ms));
+    ASSERT_TRUE(late);
+    EXPECT_LE(late->received, at(20ms));
+}
+
+/// With the old key, so from before the change.
+TEST_F(Broadcast, OfTheOldKeyIsNotTakenBehindTheNewOne) {
+    const Message held_back = write(at(0ms));
+    BroadcastReceiver fresh(keys("new"), keys());
+    fresh.use_numbers(received_);
+    receiver_.use_keys_of(fresh);
+    sender_ = BroadcastSender(keys("new"));
+    sender_.use_numbers(sent_);
+    EXPECT_FALSE(read(write(at(10ms)), at(10ms))) << "no number is stored";
+    store();
+    EXPECT_TRUE(read(write(at(20ms)), at(20ms)));
+    EXPECT_FALSE(read(held_back, at(21ms)));
 }
 
 TEST_F(Broadcast, TellsHowMuchLaterThanTheQuickestASnapshotCame) {
