@@ -101,8 +101,9 @@ void InputSelector::judge_service(Instant now, Instant until, std::span<const In
     }
 }
 
-void InputSelector::continue_from(const InputSelector& before,
-                                  std::span<const InputCarry> carried) {
+void InputSelector::continue_from(const InputSelector& before, std::span<const InputCarry> carried,
+                                  Instant latest_at) {
+    selected_at_ = latest_at;
     for (std::size_t place = 0; place < voters_.size(); ++place) {
         const CarriedFrom from = carried[settings_.inputs[place]].from;
         const auto known = from ? std::ranges::find(before.settings_.inputs, *from)
@@ -199,6 +200,7 @@ std::optional<std::size_t> InputSelector::choose(std::span<const Input> inputs) 
     const auto by_person = chosen_by_a_person(inputs);
     const auto place = by_person ? by_person : choose(inputs);
     if (!place) {
+        selected_at_ = now;
         return false;
     }
     const bool voting = settings_.mode == SelectionMode::median && !by_person;
@@ -212,6 +214,9 @@ std::optional<std::size_t> InputSelector::choose(std::span<const Input> inputs) 
         watch_dissent(now, inputs);
     } else {
         frame_ = control(*place, inputs);
+    }
+    if (slew_limits_) {
+        keep_slews(!bridging, now);
     }
     return true;
 }

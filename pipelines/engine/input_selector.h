@@ -47,15 +47,12 @@ class InputSelector {
     /// Takes the slews in the maps of its inputs, of the engine's `inputs`. Call once, at the
     /// start.
     void take_slews(std::span<const Input> inputs);
-    bool has_slews() const { return slew_limits_ != nullptr; }
-    /// Keeps the values of the latest selection within those slews, so much time after the
-    /// selection before. `anew`: the values before do not count. Requires `has_slews()`.
-    void keep_slews(bool anew, Duration passed);
 
     /// Takes over the state of `before`. `carried` gives, for each input of the engine, the input
     /// before from which it continues. Such an input stays trusted; a new one has to earn trust. An
-    /// input in control that was removed counts as lost.
-    void continue_from(const InputSelector& before, std::span<const InputCarry> carried);
+    /// input in control that was removed counts as lost. `latest_at`: of the output's latest frame.
+    void continue_from(const InputSelector& before, std::span<const InputCarry> carried,
+                       Instant latest_at);
 
     /// Indices of all inputs that may be selected, the preferred one first.
     std::span<const std::size_t> inputs() const { return settings_.inputs; }
@@ -96,6 +93,7 @@ class InputSelector {
     };
 
     bool select_one(Instant now, Instant until, std::span<const Input> inputs, bool bridging);
+    void keep_slews(bool anew, Instant now);
     bool take_only(Instant now, Instant until, const Input& input, bool bridging);
     /// Required length of the run of good frames.
     Duration proof(const Voter& voter, const LinkSupervisor& link) const;
@@ -125,7 +123,8 @@ class InputSelector {
     SelectionSettings settings_;
     Duration recover_;
     Duration power_on_;
-    /// There is nothing to choose: one input, whose values are used as they are.
+    /// There is nothing to choose: one input, whose values are used as they are. With slews it
+    /// takes the way of several inputs, so that the usual way costs nothing more.
     bool only_one_;
     std::vector<Voter> voters_;
     std::optional<std::size_t> place_;
@@ -142,6 +141,8 @@ class InputSelector {
     std::uint64_t outvoted_count_ = 0;
     /// Null if no map of an input has a slew.
     std::unique_ptr<SlewLimits> slew_limits_;
+    /// Of the latest selection. Only known while there are slews.
+    Instant selected_at_{};
 };
 
 }  // namespace tribus

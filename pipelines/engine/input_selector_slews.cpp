@@ -1,3 +1,5 @@
+#include <utility>
+
 #include "pipelines/engine/input_selector.h"
 
 namespace tribus {
@@ -9,10 +11,14 @@ void InputSelector::take_slews(std::span<const Input> inputs) {
     }
     if (limits->any()) {
         slew_limits_ = std::move(limits);
+        only_one_ = false;
     }
 }
 
-[[gnu::noinline]] void InputSelector::keep_slews(bool anew, Duration passed) {
+/// Between failsafes, each frame of the output begins with a selection. `anew`: after failsafe, the
+/// values before do not count.
+void InputSelector::keep_slews(bool anew, Instant now) {
+    const Duration passed = now - std::exchange(selected_at_, now);
     if (anew || changed_over_) {
         slew_limits_->start(frame_);
     } else if (voted_) {

@@ -235,9 +235,6 @@ bool Output::released(const ChannelFrame& frame) {
 [[gnu::noinline]] bool Output::make_first_control_frame(ChannelFrame& frame, Instant now) {
     const bool returns = ongoing_.stage == OutputStage::failsafe;
     rest_slews(returns);
-    if (selector_.has_slews()) {
-        selector_.keep_slews(returns, now - ongoing_.latest_at);
-    }
     map_.apply(selector_.frame(), frame, now);
     ongoing_.awaits_release = returns && failsafe_.release_when && !released(frame);
     if (ongoing_.awaits_release) {
@@ -259,9 +256,6 @@ bool Output::make_control_frame(ChannelFrame& frame, Instant now) {
             return false;
         }
     } else {
-        if (selector_.has_slews()) {
-            selector_.keep_slews(false, now - ongoing_.latest_at);
-        }
         map_.apply(selector_.frame(), frame, now);
         if (selector_.changed_over()) {
             glide_to_another_input();
@@ -339,7 +333,9 @@ bool Output::make_frame(ChannelFrame& frame, Instant now, std::span<const Input>
         const auto channel = static_cast<std::size_t>(std::countr_zero(left));
         frame.set(channel, failsafe_.presets[channel]);
     }
-    map_.restart_from(frame, now, missing);
+    if (by_preset_ != 0) {
+        map_.restart_from(frame, now, by_preset_);
+    }
 }
 
 /// No channels leave that the encoder withholds, whatever the link hands over.

@@ -12,7 +12,7 @@ void Output::continue_from(Output& before, const OutputCarry& carry,
         schedule_.continue_from(before.schedule_, now);
     }
     encoder_.encoder().continue_from(before.encoder_.encoder());
-    selector_.continue_from(before.selector_, carried_inputs);
+    selector_.continue_from(before.selector_, carried_inputs, before.ongoing_.latest_at);
     ongoing_ = before.ongoing_;
     ongoing_.answers = encoder_.encoder().answers();
     map_.set_lines(before.map_.lines());

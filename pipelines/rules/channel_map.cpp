@@ -276,7 +276,7 @@ void ChannelMap::for_each_slew(Action action) {
     }
 }
 
-void ChannelMap::restart_from(const ChannelFrame& frame, Instant now, std::uint32_t channels) {
+void ChannelMap::restart_lanes(const ChannelFrame& frame, Instant now, std::uint32_t channels) {
     const std::uint32_t restarted = channels & ~frame.absent();
     for_each_slew([&](std::size_t channel, SlewFilter& slew) {
         if ((restarted >> channel & 1U) != 0) {

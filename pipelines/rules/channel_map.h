@@ -128,7 +128,11 @@ class ChannelMap {
     /// The output sent `frame` instead (presets): slews of these channels, one bit each, continue
     /// from there.
     void restart_from(const ChannelFrame& frame, Instant now,
-                      std::uint32_t channels = kAllChannels);
+                      std::uint32_t channels = kAllChannels) {
+        if (!lanes_.empty()) {
+            restart_lanes(frame, now, channels);
+        }
+    }
     /// Slews do not count the time before `until` as time to move: the output held its values.
     void rest(Instant until);
     /// The limit of the rate of change of a channel, in eighths of a microsecond per nanosecond.
@@ -145,6 +149,7 @@ class ChannelMap {
     };
 
     void apply_lanes(const ChannelFrame& input, ChannelFrame& output, Instant now);
+    void restart_lanes(const ChannelFrame& frame, Instant now, std::uint32_t channels);
     template <class Action>
     void for_each_slew(Action action);
 

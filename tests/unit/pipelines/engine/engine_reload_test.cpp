@@ -96,7 +96,7 @@ TEST(ReloadOfAnInput, begins_a_new_slew_of_its_own_where_it_stands) {
     Engine next(list(std::move(slow)), list(sbus_output({0})));
     reload(bench, next, 500ms, everything(), false);
     bench.ibus(0, at(510ms), us(1000));
-    EXPECT_EQ(bench.said(at(520ms)).raw[0], raw_of(1010)) << "on its way to 2000 us";
+    EXPECT_EQ(bench.said(at(520ms)).raw[0], raw_of(1020)) << "20 ms on its way to 2000 us";
 }
 
 TEST(ReloadOfAnOutput, keeps_what_buttons_say_until_they_say_otherwise) {
