@@ -75,6 +75,7 @@ std::optional<std::uint64_t> Daemon::begin_confirming() {
     return begin({.kind = ChangeKind::confirm,
                   .trial = {},
                   .before = {},
+                  .before_files = {},
                   .preparation = Preparation::of_text(path_)});
 }
 
