@@ -39,13 +39,15 @@ bool write_all(int descriptor, std::string_view text) {
 
 tl::expected<void, std::string> replace_file(const fs::path& file, std::string_view text,
                                              mode_t usual) {
-    constexpr mode_t kPermissions = 07777;
+    constexpr mode_t kPermissions = 0777;
     constexpr mode_t kOwnerOnly = 0600;
     const std::string name = file.filename().string();
     const std::string fresh = fmt::format(".{}.new", name);
     const UniqueFd folder = folder_of(file);
     struct stat before {};
-    const bool known = ::fstatat(folder.get(), name.c_str(), &before, 0) == 0;
+    // A link gives nothing of what it leads to, rights of others least of all.
+    const bool known = ::fstatat(folder.get(), name.c_str(), &before, AT_SYMLINK_NOFOLLOW) == 0 &&
+                       S_ISREG(before.st_mode);
     const UniqueFd out = folder.valid() ? new_file(folder.get(), fresh, kOwnerOnly) : UniqueFd();
     if (known && ::fchown(out.get(), before.st_uid, before.st_gid) != 0) {
         std::ignore = ::fchown(out.get(), static_cast<uid_t>(-1), before.st_gid);

@@ -96,7 +96,12 @@ std::optional<std::string> why_no_trial(const Daemon& daemon, Words words) {
 
 /// While the file is read the trial may end, so it is looked for until the confirming has begun.
 ControlServer::LateAnswer confirm(Daemon& daemon, Words words) {
-    return [&daemon, named = std::vector<std::string>(words.begin(), words.end()),
+    std::vector<std::string> named(words.begin(), words.end());
+    if (named.empty() && daemon.runs() && daemon.trial()) {
+        // The present one, not one that begins while this waits.
+        named.push_back(std::to_string(*daemon.trial()));
+    }
+    return [&daemon, named = std::move(named),
             change = std::optional<std::uint64_t>()]() mutable -> std::optional<std::string> {
         if (!change) {
             if (const auto why = why_no_trial(daemon, named)) {

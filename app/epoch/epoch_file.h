@@ -41,7 +41,7 @@ class EpochFile final : public NumberReservation {
     /// Waits until those without a user are closed, for at most `longest`. The end of the program
     /// does so too, for at most `kLongestEnd`. Returns whether they are. Any thread.
     static bool wait_until_closed(Duration longest);
-    static constexpr Duration kLongestEnd = std::chrono::seconds(5);
+    static constexpr Duration kLongestEnd = std::chrono::seconds(3);
     ~EpochFile() override;
 
     /// Reads the file, keeps others from using it, and reserves the first numbers of a link's

@@ -55,7 +55,8 @@ void EpochFile::let_go(const std::string& path) {
     Registry& all = registry();
     const std::lock_guard guard(all.mutex);
     const auto entry = all.files.find(path);
-    if (!entry->second.users.expired()) {
+    // One who came and went meanwhile may have taken it away already.
+    if (entry == all.files.end() || !entry->second.users.expired()) {
         return;
     }
     if (entry->second.file->has_thread_) {

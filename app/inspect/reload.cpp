@@ -36,6 +36,9 @@ namespace {
 
 /// Time to open devices and to send the last frames of outputs that are removed.
 constexpr Duration kReloadPatience = std::chrono::seconds(20);
+/// The daemon reads the file first, and gives up after a minute: who gives up before would not know
+/// whether the draft stays.
+constexpr Duration kConfirmPatience = std::chrono::seconds(70);
 
 struct ReloadOptions {
     std::string name;
@@ -49,8 +52,8 @@ struct ReloadOptions {
 
 /// Prints what the daemon did. `told`: receives its answer.
 int ask_and_tell(const std::string& socket, const std::string& request, const char* taken,
-                 nlohmann::json* told = nullptr) {
-    const auto answer = ask_daemon(socket, request, kReloadPatience);
+                 nlohmann::json* told = nullptr, Duration patience = kReloadPatience) {
+    const auto answer = ask_daemon(socket, request, patience);
     if (!answer) {
         return complain(answer.error(), kExitFailed);
     }
@@ -131,7 +134,8 @@ int watch_trial(const std::string& socket, const ReloadOptions& options, Duratio
             print_error("\n");
             return ask_and_tell(socket, "back" + number, "the configuration before is back");
         }
-        const int kept = ask_and_tell(socket, "confirm" + number, "confirmed");
+        const int kept =
+            ask_and_tell(socket, "confirm" + number, "confirmed", nullptr, kConfirmPatience);
         // Whoever has not copied the draft yet may still do so.
         if (kept == kExitFine || !options.draft) {
             return kept;
@@ -155,7 +159,7 @@ int reload(const ReloadOptions& options) {
     }
     const std::string only = options.number ? fmt::format(" {}", *options.number) : "";
     if (options.confirm) {
-        return ask_and_tell(*socket, "confirm" + only, "confirmed");
+        return ask_and_tell(*socket, "confirm" + only, "confirmed", nullptr, kConfirmPatience);
     }
     if (options.back) {
         return ask_and_tell(*socket, "back" + only, "the configuration before is back");

@@ -47,7 +47,7 @@ class DataThread {
     Scheduling got_;
     std::binary_semaphore prepared_{0};
     std::binary_semaphore go_{0};
-    std::binary_semaphore handed_over_{0};
+    std::counting_semaphore<2> handed_over_{0};
     std::atomic<int> failure_{0};  ///< a value of errno
     bool cancelled_ = false;
     bool started_ = false;

@@ -261,7 +261,8 @@ class Loop {
     void set_device_present(const Port& port);
     void set_devices_present();
     void accept_given_links();
-    bool read_port(std::size_t port, Instant now);
+    void read_port(std::size_t port, Instant now);
+    bool read_unreported(Port& port, Instant since, Instant now);
     void look_at_silent_ports(Instant now);
     void read_quiet_ports(Instant now);
     ReadStatus read_bytes(std::size_t port, ByteLink& link, Instant now);
@@ -346,7 +347,7 @@ class Loop {
     /// Frames came that a station may have to answer.
     bool can_answers_wait_ = false;
     Instant next_publish_{};
-    Instant next_look_at_ports_{};
+    Instant looked_at_ports_{};
     Snapshot<StandingPort> standing_port_;
     std::atomic<std::int64_t> published_at_ns_{0};
     std::vector<std::atomic<std::int64_t>> newest_at_ns_;

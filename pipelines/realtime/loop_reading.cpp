@@ -164,11 +164,10 @@ void Loop::end_quiet(std::size_t index) {
     }
 }
 
-/// Returns whether anything came.
-bool Loop::read_port(std::size_t index, Instant now) {
+void Loop::read_port(std::size_t index, Instant now) {
     Port& port = ports_[index];
     if (!port.link) {
-        return false;
+        return;
     }
     end_quiet(index);
     ByteLink* bytes = port.link->as_bytes();
@@ -179,23 +178,53 @@ bool Loop::read_port(std::size_t index, Instant now) {
     } else if (bytes != nullptr && reception_.full) {
         watch_again(index);
     }
-    return status == ReadStatus::received;
+}
+
+/// Reads what came at a port unreported since `since`. Returns whether anything did.
+bool Loop::read_unreported(Port& port, Instant since, Instant now) {
+    if (CanLink* can = port.link->as_can()) {
+        const ReadStatus status = read_can(port.wiring, *can, now);
+        if (status == ReadStatus::lost) {
+            lose(port);
+        }
+        return status == ReadStatus::received;
+    }
+    ByteLink& link = *port.link->as_bytes();
+    bool came = false;
+    reception_.goes_on = false;
+    for (int reads = 0; (reads < kMostFruitlessReads || reception_.goes_on) && link.has_unread();
+         ++reads) {
+        const ReadStatus status = link.read(reception_);
+        if (status == ReadStatus::lost) {
+            lose(port);
+        }
+        if (status != ReadStatus::received) {
+            break;
+        }
+        came = true;
+        // It may be as old as that, so it never passes for new.
+        hand_on_bytes(port.wiring, since);
+    }
+    return came;
 }
 
 /// A port may be silent because its sender is, or because the kernel does not report what comes.
-/// Once a second a read that nobody asked for finds out, and the input gets what it is due.
+/// Once a second a look that nobody asked for finds out.
 [[gnu::noinline]] void Loop::look_at_silent_ports(Instant now) {
-    if (now < next_look_at_ports_) {
+    if (now - looked_at_ports_ < kSilentPortPeriod) {
         return;
     }
-    next_look_at_ports_ = now + kSilentPortPeriod;
+    const Instant since = std::exchange(looked_at_ports_, now);
+    if (since == Instant{}) {
+        return;
+    }
     for (std::size_t index = 0; index < ports_.size(); ++index) {
         Port& port = ports_[index];
         const bool reads = port.link && port.link->descriptor() >= 0 &&
                            (port.link->as_can() != nullptr || wants_bytes(port.wiring.stations));
         const bool looks =
             reads && !std::exchange(port.reported, false) && port.quiet_until == kNever;
-        port.unheard = looks && read_port(index, now) ? port.unheard + 1 : 0;
+        port.unheard = looks && read_unreported(port, since, now) ? port.unheard + 1 : 0;
     }
     publish_standing_port(now);
 }

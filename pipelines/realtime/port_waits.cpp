@@ -63,7 +63,7 @@ tl::expected<void, std::string> PortWaits::add_event(int descriptor) {
 }
 
 void PortWaits::make_room(const PortWaits& before) {
-    places_.resize(std::max(before.places_.size(), before.ports_ + ports_));
+    places_.assign(std::max(before.places_.size(), before.ports_ + ports_), Place{});
 }
 
 void PortWaits::continue_from(PortWaits& before) {

@@ -44,8 +44,8 @@ class PortWaits {
     tl::expected<void, std::string> prepare(std::size_t ports);
     /// Adds an event of another thread. Main thread, before the first `wait`.
     tl::expected<void, std::string> add_event(int descriptor);
-    /// Makes room for the watches of a running `before` beside those of its own ports. Main thread,
-    /// before `continue_from`.
+    /// Makes room for the watches of a running `before` beside those of its own ports, and ends its
+    /// own: `continue_from` takes the descriptors of `before`. Main thread.
     void make_room(const PortWaits& before);
     /// Takes the descriptors and the watches of `before` unchanged. To add a terminal anew may wait
     /// for the kernel's work on arriving bytes; where that is starved, all outputs would be late.

@@ -79,6 +79,8 @@ class ByteLink : public Link {
     virtual WriteStatus write_asked(std::span<const std::uint8_t> frame, FrameLife /*life*/) {
         return write(frame);
     }
+    /// Whether bytes wait, by a look that waits for nothing. A link that can only read says true.
+    virtual bool has_unread() const { return true; }
     /// Discards all bytes that wait to be read.
     virtual void discard_unread() = 0;
     ByteLink* as_bytes() final { return this; }

@@ -47,10 +47,8 @@ int list(const PairingFolder& folder) {
 
 /// If no browser may change anything, nor by a code, the page has no more to write.
 int close_if_unused(const PairingFolder& folder, const PairOptions& options, WallTime now) {
-    if (folder.lets_change(now)) {
-        return kExitFine;
-    }
-    const auto taken = PageFolder{options.configurations, options.state}.take_back();
+    const PageFolder page{options.configurations, options.state};
+    const auto taken = folder.close_if_unused(now, [&] { return page.take_back(); });
     return taken ? kExitFine
                  : fail("the page still may write there: " + taken.error(), kExitFailed);
 }
@@ -82,7 +80,16 @@ int run(const PairOptions& options) {
     if (options.close) {
         return close_if_unused(folder, options, now);
     }
-    const auto code = folder.make_code(options.look ? Role::look : Role::change, now);
+    tl::expected<void, std::string> given;
+    const auto give = [&] {
+        given = PageFolder{options.configurations, options.state}.give();
+        return given;
+    };
+    const auto code = options.look ? folder.make_code(Role::look, now)
+                                   : folder.make_code(Role::change, now, give);
+    if (!given) {
+        return fail("the page cannot be allowed to write there: " + given.error(), kExitFailed);
+    }
     if (!code) {
         return fail(code.error() + "; use sudo, and install the package that has tribus-web",
                     kExitFailed);
@@ -90,11 +97,6 @@ int run(const PairOptions& options) {
     if (const int closed = options.look ? close_if_unused(folder, options, now) : kExitFine;
         closed != kExitFine) {
         return closed;
-    }
-    if (const auto given = options.look ? tl::expected<void, std::string>()
-                                        : PageFolder{options.configurations, options.state}.give();
-        !given) {
-        return fail("the page cannot be allowed to write there: " + given.error(), kExitFailed);
     }
     const auto sentence = [](const std::string& text) {
         return paragraph("", "", text, text_columns(STDOUT_FILENO));

@@ -166,7 +166,8 @@ tl::expected<void, std::string> PairingFolder::write(const fs::path& file,
     return {};
 }
 
-tl::expected<std::string, std::string> PairingFolder::make_code(Role role, WallTime now) {
+tl::expected<std::string, std::string> PairingFolder::make_code(Role role, WallTime now,
+                                                                const Step& then) {
     const auto lock = FolderLock::take(folder_);
     if (!lock) {
         return Refused(lock.error());
@@ -185,6 +186,9 @@ tl::expected<std::string, std::string> PairingFolder::make_code(Role role, WallT
                            {"tries", kTries}};
     if (auto written = write(folder_ / kCodeFile, json.dump() + "\n"); !written) {
         return Refused(written.error());
+    }
+    if (const auto done = then ? then() : tl::expected<void, std::string>(); !done) {
+        return Refused(done.error());
     }
     return code;
 }
@@ -267,6 +271,12 @@ bool PairingFolder::lets_change(WallTime now) const {
     };
     return (all && std::ranges::any_of(*all, may)) ||
            (code && role_of(word_in(*code, "role")) == Role::change && is_valid(*code, now));
+}
+
+tl::expected<void, std::string> PairingFolder::close_if_unused(WallTime now,
+                                                               const Step& close) const {
+    const auto lock = FolderLock::take(folder_);
+    return lets_change(now) ? tl::expected<void, std::string>() : close();
 }
 
 tl::expected<void, std::string> PairingFolder::leave(std::string_view hash) {

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -53,8 +54,13 @@ class PairingFolder {
     static constexpr WallTime kSessionLasts = std::chrono::hours(24 * 90);
     static constexpr std::size_t kMostSessions = 64;
 
-    /// Makes a code of 8 signs for one browser. It takes the place of the one before.
-    tl::expected<std::string, std::string> make_code(Role role, WallTime now);
+    /// Something that is done before another program may read or write the files.
+    using Step = std::function<tl::expected<void, std::string>()>;
+
+    /// Makes a code of 8 signs for one browser. It takes the place of the one before. `then`
+    /// follows if it is made.
+    tl::expected<std::string, std::string> make_code(Role role, WallTime now,
+                                                     const Step& then = {});
     /// A right code is used up, and a wrong one takes one of its tries. With a right one the
     /// browser `joins`, before the code goes: in between, `lets_change` must not be false.
     tl::expected<CodeTried, std::string> try_code(std::string_view typed, WallTime now,
@@ -72,6 +78,9 @@ class PairingFolder {
     /// Whether a browser may change something, or may soon by a code. What cannot be read lets
     /// nobody in, so it counts as nothing.
     bool lets_change(WallTime now) const;
+    /// Takes the step `close` unless a browser may change something. Who holds the files for too
+    /// long does not hinder it.
+    tl::expected<void, std::string> close_if_unused(WallTime now, const Step& close) const;
 
     std::filesystem::path sessions_file() const { return folder_ / "sessions.json"; }
 

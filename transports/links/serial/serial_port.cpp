@@ -257,6 +257,12 @@ ReadStatus SerialPort::read(Reception& reception) {
     return ReadStatus::lost;
 }
 
+/// A read of a terminal without bytes waits for the kernel's worker (Link::wakes_at_each_arrival).
+bool SerialPort::has_unread() const {
+    int bytes = 0;
+    return ::ioctl(fd_.get(), TIOCINQ, &bytes) == 0 && bytes > 0;
+}
+
 void SerialPort::discard_unread() {
     // Bytes for which the line buffer has no room are moved there later, so only the kernel can
     // discard both.

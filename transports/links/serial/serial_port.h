@@ -37,6 +37,7 @@ class SerialPort : public ByteLink {
 
     ReadStatus read(Reception& reception) override;
 
+    bool has_unread() const override;
     void discard_unread() override;
 
     /// Writes only if the kernel's output queue is empty: a frame that waits there is stale when it

@@ -197,6 +197,9 @@ void reload(const std::vector<LinkKind>& inputs_before, const std::vector<LinkKi
     after.make_loop(ports);
     thread.hand_over_to(*after.loop,
                         {.engine = carry.engine, .values = carry.values, .ports = ports});
+    for (std::size_t port = 0; port < after.plans.size(); ++port) {
+        EXPECT_EQ(after.loop->take_lost(port), nullptr) << after.plans[port].config.device;
+    }
     for (std::size_t port = 0; port < before->plans.size(); ++port) {
         const bool taken = std::ranges::any_of(ports, [&](const PortCarry& carried) {
             return carried.from == CarriedFrom(port) && carried.takes_link;
@@ -234,6 +237,17 @@ TEST_P(LoopReload, adds_the_link) {
             reload({stays}, {GetParam(), stays});
         }
     }
+}
+
+TEST_P(LoopReload, adds_all_other_links_beside_it) {
+    std::vector<LinkKind> all{GetParam()};
+    for (const LinkKind& other : kinds()) {
+        if (other.name != GetParam().name) {
+            all.push_back(other);
+        }
+    }
+    reload({GetParam()}, all);
+    reload(all, {GetParam()});
 }
 
 TEST_P(LoopReload, changes_the_link_for_another) {
