@@ -44,6 +44,8 @@ const std::vector<LinkKind>& kinds() {
          "protocol = \"gamepad\"\ndevice = \"/dev/input/event9\"\naxes = { ABS_X = 1 }\n", 2},
         {"PulseLine", "GPIO17", "protocol = \"ppm\"\nline = \"GPIO17\"\n", 2},
         {"Can", "can0", "protocol = \"can\"\ninterface = \"can0\"\n", 2},
+        {"OtherTerminal", "/dev/ttyS8", "protocol = \"sbus\"\ndevice = \"/dev/ttyS8\"\n", 1, true},
+        {"OtherCan", "can1", "protocol = \"can\"\ninterface = \"can1\"\n", 2},
     };
     return all;
 }
@@ -106,7 +108,7 @@ std::unique_ptr<Link> link_of(const std::string& device) {
     if (kind == kinds().end()) {
         return nullptr;
     }
-    if (kind->name == "Can") {
+    if (kind->name.ends_with("Can")) {
         return std::make_unique<PendingCan>(*kind);
     }
     return std::make_unique<PendingBytes>(*kind);

@@ -90,8 +90,10 @@ TEST_F(PortWaitsTest, have_room_for_the_links_of_any_number_of_successors) {
         }
         auto next = std::make_unique<PortWaits>();
         ASSERT_TRUE(next->prepare(3));
-        const ReadyLink beside;
-        ASSERT_TRUE(next->watch(beside, 0, true)) << "as a loop does before it takes over";
+        const std::array<ReadyLink, 3> beside;
+        for (const ReadyLink& link : beside) {
+            ASSERT_TRUE(next->watch(link, 0, true)) << "as a loop does before it takes over";
+        }
         next->make_room(*waits);
         next->continue_from(*waits);
         const std::array<ReadyLink, 3> more;
