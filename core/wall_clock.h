@@ -13,6 +13,11 @@ class WallClock {
     virtual ~WallClock() = default;
     /// Time since 1970, UTC, at `now`. Thread-safe.
     virtual Duration at(Instant now) const = 0;
+    /// `now` on a clock whose rate nobody adjusts. Programs that set the time slow down the clock
+    /// of instants, too, or make it faster, by up to a tenth. Thread-safe.
+    virtual Instant unslewed(Instant now) const = 0;
+    /// Whether the machine knows that the time is right. Thread-safe.
+    virtual bool is_set() const = 0;
 };
 
 }  // namespace tribus

@@ -23,7 +23,8 @@ Duration awake_time_now();
 Duration wall_time_now();
 
 /// The system clock for parts that know instants only, as right as at the latest call of
-/// `follow_wall_clock`. It is there until the program ends. Thread-safe.
+/// `follow_wall_clock`. It counts as set while the kernel knows how far it is off at most, and not
+/// where a filter of system calls refuses to tell. It is there until the program ends. Thread-safe.
 const WallClock& wall_clock();
 /// Brings `wall_clock` up to date. Thread-safe.
 void follow_wall_clock();

@@ -156,5 +156,11 @@ TEST(Rights, ToAVirtualJoystickAreSaidByDoctorAsTheRuleGivesThem) {
     EXPECT_NE(findings[0].fix.find("group " + uinput->group + ":"), std::string::npos);
 }
 
+/// ProtectClock= refuses the calls also to somebody who only asks.
+TEST(Rights, TheDaemonMayAskWhetherTheClockIsSet) {
+    EXPECT_TRUE(words_of("tribus@.service", "SystemCallFilter").contains("clock_adjtime"));
+    EXPECT_TRUE(words_of("tribus@.service", "ProtectClock").empty());
+}
+
 }  // namespace
 }  // namespace tribus::test::rights_test

@@ -60,7 +60,7 @@ std::array<std::uint8_t, kHashBytes> MavlinkHash::of(
 }
 
 void MavlinkSigner::sign(std::span<std::uint8_t> wire, std::size_t length, Instant now) {
-    const Duration at = clock_ != nullptr ? clock_->at(now) - kStampsBegin : now.time_since_epoch();
+    const Duration at = clock_ != nullptr ? time_at(now) : now.time_since_epoch();
     latest_ = std::max(latest_ + 1, stamp_of(at));
     wire[length] = link_id_;
     for (std::size_t byte = 0; byte < kStampBytes; ++byte) {
@@ -68,6 +68,24 @@ void MavlinkSigner::sign(std::span<std::uint8_t> wire, std::size_t length, Insta
     }
     const std::size_t signed_bytes = length + 1 + kStampBytes;
     std::ranges::copy(hash_.of(wire.first(signed_bytes)), wire.subspan(signed_bytes).begin());
+}
+
+/// Receivers take a time that stands still, or goes on too slowly, for a delay.
+Duration MavlinkSigner::time_at(Instant now) {
+    const Instant unslewed = clock_->unslewed(now);
+    const Duration of_clock = clock_->at(now) - kStampsBegin;
+    const Duration passed = std::max(unslewed - latest_at_, Duration{});
+    const Duration kept = latest_time_ + passed - passed / kReturnParts;
+    const bool keeps = kept > of_clock && kept - of_clock < kMostAhead;
+    latest_time_ = keeps ? kept : of_clock;
+    latest_at_ = unslewed;
+    return latest_time_;
+}
+
+void MavlinkSigner::continue_from(const MavlinkSigner& before) {
+    latest_ = before.latest_;
+    latest_time_ = before.latest_time_;
+    latest_at_ = before.latest_at_;
 }
 
 std::optional<SignatureFault> MavlinkVerifier::fault_of(std::span<const std::uint8_t> frame,
@@ -85,7 +103,8 @@ std::optional<SignatureFault> MavlinkVerifier::fault_of(std::span<const std::uin
                  .component = frame[6],
                  .link_id = signature[0],
                  .stamp = stamp_in(signature.subspan(1)),
-                 .received = received});
+                 .received = received,
+                 .unslewed = clock_ != nullptr ? clock_->unslewed(received) : received});
 }
 
 std::optional<SignatureFault> MavlinkVerifier::take(const Message& message) {
@@ -98,7 +117,7 @@ std::optional<SignatureFault> MavlinkVerifier::take(const Message& message) {
 }
 
 bool MavlinkVerifier::is_ahead(std::uint64_t stamp, Instant received) const {
-    return clock_ != nullptr && clock_->at(received) >= kLeastSetTime &&
+    return clock_ != nullptr && clock_->is_set() &&
            stamp > stamp_of(clock_->at(received) - kStampsBegin) + kMostOff;
 }
 
@@ -124,7 +143,7 @@ std::optional<SignatureFault> MavlinkVerifier::go_on(Stream& stream, const Messa
     if (message.stamp <= stream.latest.stamp) {
         return SignatureFault::replayed;
     }
-    const auto passed = std::chrono::floor<StampUnits>(message.received - stream.latest.received);
+    const auto passed = std::chrono::floor<StampUnits>(message.unslewed - stream.latest.unslewed);
     const auto expected = static_cast<std::int64_t>(stream.latest.stamp) + passed.count();
     // A clock that is ahead more and more cannot cost the control that there is.
     if (static_cast<std::int64_t>(message.stamp) > expected + std::int64_t{kMostOff} &&
@@ -148,7 +167,7 @@ Duration MavlinkVerifier::delay_in(Stream& stream, const Message& message) {
     const bool counts = stream.close >= kCountedMessages;
     stream.close = counts ? kCountedMessages : stream.close;
     const Duration told = StampUnits(message.stamp - stream.quickest.stamp);
-    const Duration passed = message.received - stream.quickest.received;
+    const Duration passed = message.unslewed - stream.quickest.unslewed;
     const Duration delay = counts ? Duration{} : passed - told - passed / kDriftParts;
     if (delay > Duration{}) {
         return delay;

@@ -34,9 +34,16 @@ class MavlinkHash {
     sha256_ctx begun_{};
 };
 
-/// Signs what one sender sends on one link.
+/// Signs what one sender sends on one link. Its times follow a clock that is set forward at once.
+/// Where the clock is slowed, or set back by less than kMostAhead, they go on at their own pace,
+/// and return to it little by little.
 class MavlinkSigner {
   public:
+    /// Below the minute by which receivers let a stream begin ahead of their clocks.
+    static constexpr Duration kMostAhead = std::chrono::seconds(30);
+    /// One part in so many is half of what receivers allow (MavlinkVerifier::kDriftParts).
+    static constexpr std::int64_t kReturnParts = 2000;
+
     MavlinkSigner(const SecretKey& secret, std::uint8_t link_id)
         : hash_(secret), link_id_(link_id) {}
     /// Without a clock, time stamps count instants, as if their zero were the year 2015.
@@ -44,13 +51,18 @@ class MavlinkSigner {
     /// Writes the signature behind the first `length` bytes of `wire`, which are a frame.
     void sign(std::span<std::uint8_t> wire, std::size_t length, Instant now);
     /// No time stamp that `before` has used comes again.
-    void continue_from(const MavlinkSigner& before) { latest_ = before.latest_; }
+    void continue_from(const MavlinkSigner& before);
 
   private:
+    Duration time_at(Instant now);
+
     MavlinkHash hash_;
     std::uint8_t link_id_;
     const WallClock* clock_ = nullptr;
     std::uint64_t latest_ = 0;
+    /// The time of the latest message, since 2015, and when that was.
+    Duration latest_time_{};
+    Instant latest_at_{};
 };
 
 /// Why a message does not count.
@@ -74,15 +86,13 @@ class MavlinkVerifier {
     static constexpr std::size_t kMostStreams = 16;
     /// So late a message may be.
     static constexpr Duration kMostDelay = std::chrono::seconds(1);
-    /// Clocks of two machines, as they are set while they run, drift apart by at most one part in
-    /// so many.
+    /// Two clocks whose rates nobody adjusts drift apart by at most one part in so many, with what
+    /// a sender's time returns to its clock (MavlinkSigner).
     static constexpr std::int64_t kDriftParts = 1000;
     /// Messages of which each has a time at most so far behind the one before: that many in a row
     /// come only from a sender that counts them.
     static constexpr Duration kCloseTimes = std::chrono::milliseconds(1);
     static constexpr int kCountedMessages = 8;
-    /// A clock before 2026 was not set.
-    static constexpr Duration kLeastSetTime = std::chrono::seconds(1767225600);
 
     explicit MavlinkVerifier(const SecretKey& secret) : hash_(secret) {}
     /// Without a clock, a stream may begin at any time that is not a minute before the latest one.
@@ -99,6 +109,7 @@ class MavlinkVerifier {
         std::uint8_t link_id = 0;
         std::uint64_t stamp = 0;
         Instant received{};
+        Instant unslewed{};  ///< the same, see WallClock
     };
     struct Stream {
         /// The one with the highest time, whether it was late or not.

@@ -1,6 +1,7 @@
 #include "pipelines/realtime/clock.h"
 
 #include <sched.h>
+#include <sys/timex.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -68,6 +69,26 @@ TEST(Clock, counts_the_time_in_which_the_machine_was_suspended) {
         GTEST_SKIP() << "no time name spaces here";
     }
     EXPECT_TRUE(*counts);
+}
+
+/// What another program tells of the kernel's word, as timedatectl does.
+TEST(WallClockOfTheMachine, IsSetWhileTheKernelKnowsHowFarItIsOff) {
+    follow_wall_clock();
+    timex asked{};
+    ASSERT_GE(::adjtimex(&asked), 0);
+    EXPECT_EQ(wall_clock().is_set(), asked.maxerror < 16'000'000);
+}
+
+TEST(WallClockOfTheMachine, KnowsTheTimeByAClockWhoseRateNobodyAdjusts) {
+    follow_wall_clock();
+    timespec raw{};
+    ::clock_gettime(CLOCK_MONOTONIC_RAW, &raw);
+    const Instant now = monotonic_now();
+    const Duration slept = now.time_since_epoch() - awake_time_now();
+    const Duration expected =
+        std::chrono::seconds(raw.tv_sec) + std::chrono::nanoseconds(raw.tv_nsec) + slept;
+    const Duration off = wall_clock().unslewed(now).time_since_epoch() - expected;
+    EXPECT_LT(std::chrono::abs(off), std::chrono::milliseconds(50));
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <numeric>
@@ -150,6 +151,100 @@ TEST_F(MavlinkDelay, OfClocksThatDriftIsNone) {
     }
 }
 
+/// As chronyd does by default. It slows the clock of instants, too.
+constexpr Duration kFastBy = 1700ms;
+constexpr auto kLookPeriod = 250ms;
+
+/// How much such a clock has lost, `passed` after the beginning.
+Duration lost(Duration passed) {
+    return std::clamp<Duration>((passed - 10s) / 12, 0s, kFastBy);
+}
+
+TEST_F(MavlinkDelay, IsNoneWhereTheClockOfTheSenderIsSlowedByATwelfth) {
+    of_sender_.set(kDay + kFastBy, kStart);
+    for (Duration now = 0s; now < 100s; now += kPeriod) {
+        if (now % kLookPeriod < kPeriod) {
+            of_sender_.set_lost(lost(now));
+        }
+        const Bytes bytes = sent(kStart + now - lost(now));
+        ASSERT_LE(age(bytes, kStart + now).value_or(1h), 25ms) << now.count();
+    }
+}
+
+TEST_F(MavlinkDelay, IsNoneWhereTheClockOfTheReceiverIsMadeFasterByATwelfth) {
+    of_receiver_.set(kDay - kFastBy, kStart);
+    for (Duration now = 0s; now < 100s; now += kPeriod) {
+        if (now % kLookPeriod < kPeriod) {
+            of_receiver_.set_lost(-lost(now));
+        }
+        const Bytes bytes = sent(kStart + now);
+        ASSERT_LE(age(bytes, kStart + now + lost(now)).value_or(1h), 25ms) << now.count();
+    }
+}
+
+TEST_F(MavlinkDelay, IsNoneWhereTheClockOfTheSenderIsSetBackByLessThanHalfAMinute) {
+    Instant begin = kStart;
+    std::uint8_t link = 0;
+    for (const Duration back : {500ms, 700ms, 800ms, 29'000ms}) {
+        for (const Duration period : {20ms, 100ms, 1000ms}) {
+            of_sender_.set(kDay, kStart);
+            MavlinkSigner signer(key(), link++);
+            signer.use_clock(of_sender_);
+            begin += 1h;
+            for (Duration now = 0s; now < 120s; now += period) {
+                if (now == 10s) {
+                    of_sender_.set(kDay - back, kStart);
+                }
+                const auto told = age(sent_by(signer, begin + now), begin + now);
+                ASSERT_LE(told.value_or(1h), 1ms) << back.count() << " " << now.count();
+            }
+        }
+    }
+}
+
+TEST_F(MavlinkDelay, CostsLessThanHalfASecondWhereTheClockOfTheSenderIsSetBackByAMinute) {
+    Duration old{};
+    for (Duration now = 0s; now < 200s; now += 100ms) {
+        if (now == 10s) {
+            of_sender_.set(kDay - 60s, kStart);
+        }
+        const auto told = age(sent(kStart + now), kStart + now);
+        old += told && *told < 500ms ? 0ms : 100ms;
+    }
+    EXPECT_LT(old, 500ms);
+}
+
+/// A sender that was set back starts again without a loss later on.
+TEST_F(MavlinkDelay, OfASenderThatWasSetBackAndHasReturnedToItsClockLetsItStartAgain) {
+    EXPECT_TRUE(counts(sent(kStart), kStart));
+    of_sender_.set(kDay - 700ms, kStart);
+    for (Duration now = 100ms; now < 25min; now += 100ms) {
+        ASSERT_LE(age(sent(kStart + now), kStart + now).value_or(1h), 1ms);
+    }
+    MavlinkSigner again(key(), 0);
+    again.use_clock(of_sender_);
+    EXPECT_TRUE(counts(sent_by(again, kStart + 25min), kStart + 25min));
+}
+
+TEST_F(MavlinkDelay, IsNoneWhereAReloadComesAfterTheClockOfTheSenderIsSetBack) {
+    EXPECT_TRUE(counts(sent(kStart), kStart));
+    of_sender_.set(kDay - 20s, kStart);
+    EXPECT_TRUE(counts(sent(kStart + 100ms), kStart + 100ms));
+    MavlinkSigner reloaded(key(), 0);
+    reloaded.use_clock(of_sender_);
+    reloaded.continue_from(signer_);
+    const auto told = age(sent_by(reloaded, kStart + 200ms), kStart + 200ms);
+    EXPECT_LE(told.value_or(1h), 1ms);
+}
+
+TEST_F(MavlinkDelay, OfAHeldStreamIsSeenAlsoWhereTheClockIsSlowed) {
+    EXPECT_TRUE(counts(sent(kStart), kStart));
+    of_receiver_.set_lost(100s);
+    for (int i = 1; i <= kHeld; ++i) {
+        EXPECT_FALSE(counts(sent(kStart + i * kPeriod), kStart + 10s + i * kPeriod));
+    }
+}
+
 /// Messages that came meanwhile are read as if they had come when the pause began.
 TEST_F(MavlinkDelay, IsNoneBehindAPauseOfTheReceiver) {
     for (Duration now = 0s; now < 1s; now += kPeriod) {
@@ -190,7 +285,8 @@ TEST_F(MavlinkDelay, IsNotLockedOutByATimeFiveYearsAhead) {
 }
 
 TEST_F(MavlinkDelay, TakesAnyTimeAheadOfAClockThatIsNotSet) {
-    of_receiver_.set(1672531200s, kStart);
+    of_receiver_.set(kDay - 10h, kStart);
+    of_receiver_.never_set();
     EXPECT_TRUE(counts(sent(kStart), kStart));
 }
 
