@@ -164,6 +164,10 @@ void Output::set_device_present(bool present) {
 
 [[gnu::noinline]] bool Output::make_failsafe_frame(ChannelFrame& frame, Instant now) {
     frame = {};
+    if (ending_ && farewells() > 0) {
+        // What the encoder says last stands in the place of silence.
+        return false;
+    }
     switch (failsafe_.action) {
         case FailsafeAction::silence:
             return false;
