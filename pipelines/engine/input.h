@@ -124,6 +124,10 @@ class Input {
     /// The values of the latest good frame, after the input's own channel rules. Marked frame-lost
     /// if the newest frame is not good.
     const ChannelFrame& control() const { return map_ ? mapped_ : supervisor_.control(); }
+    /// `control` without the slews of its rules: what the sticks say.
+    ChannelFrame aim() const {
+        return map_ ? map_->aim(supervisor_.control()) : supervisor_.control();
+    }
     /// Its own channel rules. Null if it has none.
     const ChannelMap* map() const { return map_ ? &*map_ : nullptr; }
     /// The latest frame as received, good or not.

@@ -65,6 +65,21 @@ class InputSelector {
     bool follows_one() const { return settings_.mode != SelectionMode::freshest; }
     /// The values of the latest selection.
     const ChannelFrame& frame() const { return frame_; }
+    /// Calls `visit` with what the sticks say, a frame without the slews of inputs: of the selected
+    /// input or, in a vote, of each that votes. Without slews it is `frame()`. For the latest
+    /// selection, of `inputs` of the engine.
+    template <class Visitor>
+    void for_each_aim(std::span<const Input> inputs, Visitor visit) const {
+        if (!slew_limits_) {
+            visit(frame_);
+            return;
+        }
+        for (std::size_t place = 0; place < voters_.size(); ++place) {
+            if (voted_ ? votes(place, !frame_.frame_lost, inputs) : place == place_) {
+                visit(inputs[settings_.inputs[place]].aim());
+            }
+        }
+    }
     /// Until when that frame counts, and each that it is made from, if no other frame comes.
     Instant alive_until() const { return alive_until_; }
     /// True if the latest selection took control from one input to another. A change inside a

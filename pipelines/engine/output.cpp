@@ -164,6 +164,10 @@ void Output::set_device_present(bool present) {
 
 [[gnu::noinline]] bool Output::make_failsafe_frame(ChannelFrame& frame, Instant now) {
     frame = {};
+    if (ending_ && farewells() > 0) {
+        // What the encoder says last stands in the place of silence.
+        return false;
+    }
     switch (failsafe_.action) {
         case FailsafeAction::silence:
             return false;
@@ -220,23 +224,14 @@ void Output::rest_slews(bool after_failsafe) {
     }
 }
 
-/// Both what the sticks say and what would be sent have to fulfil `release_when`: a slew that
-/// starts at a low preset hides a high throttle.
-bool Output::released(const ChannelFrame& frame) {
-    const ValueRule& rule = *failsafe_.release_when;
-    const ChannelFrame aim = map_.aim(selector_.frame());
-    const bool stick_fulfils = rule.matches(aim);
-    ongoing_.release_pulse = (stick_fulfils ? frame : aim).channel(rule.channel);
-    return stick_fulfils && rule.matches(frame);
-}
-
 /// The first frame of the selected input after failsafe or held values. False while `release_when`
 /// does not hold.
-[[gnu::noinline]] bool Output::make_first_control_frame(ChannelFrame& frame, Instant now) {
+[[gnu::noinline]] bool Output::make_first_control_frame(ChannelFrame& frame, Instant now,
+                                                        std::span<const Input> inputs) {
     const bool returns = ongoing_.stage == OutputStage::failsafe;
     rest_slews(returns);
     map_.apply(selector_.frame(), frame, now);
-    ongoing_.awaits_release = returns && failsafe_.release_when && !released(frame);
+    ongoing_.awaits_release = returns && failsafe_.release_when && !released(frame, inputs);
     if (ongoing_.awaits_release) {
         return false;
     }
@@ -250,9 +245,9 @@ bool Output::released(const ChannelFrame& frame) {
 }
 
 /// The frame of the selected input. False while `release_when` does not hold.
-bool Output::make_control_frame(ChannelFrame& frame, Instant now) {
+bool Output::make_control_frame(ChannelFrame& frame, Instant now, std::span<const Input> inputs) {
     if (ongoing_.stage != OutputStage::control) {
-        if (!make_first_control_frame(frame, now)) {
+        if (!make_first_control_frame(frame, now, inputs)) {
             return false;
         }
     } else {
@@ -296,7 +291,7 @@ bool Output::make_frame(ChannelFrame& frame, Instant now, std::span<const Input>
     }
     const bool bridging = ongoing_.stage != OutputStage::failsafe;
     if (!yielding && selector_.select(now, end_of_period, inputs, bridging)) {
-        return make_control_frame(frame, now) || make_failsafe_frame(frame, now);
+        return make_control_frame(frame, now, inputs) || make_failsafe_frame(frame, now);
     }
     ongoing_.awaits_release = false;
     if (bridging) {

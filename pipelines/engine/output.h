@@ -239,8 +239,8 @@ class Output {
     bool must_yield(Instant now) const;
     bool make_frame_without_inputs(ChannelFrame& frame, bool yielding);
     bool make_frame(ChannelFrame& frame, Instant now, std::span<const Input> inputs);
-    bool make_first_control_frame(ChannelFrame& frame, Instant now);
-    bool make_control_frame(ChannelFrame& frame, Instant now);
+    bool make_first_control_frame(ChannelFrame& frame, Instant now, std::span<const Input> inputs);
+    bool make_control_frame(ChannelFrame& frame, Instant now, std::span<const Input> inputs);
     bool make_failsafe_frame(ChannelFrame& frame, Instant now);
     void look_for_withheld();
     void enter_failsafe();
@@ -251,7 +251,7 @@ class Output {
     bool glides_into_failsafe() const {
         return failsafe_.slew_us_per_second || failsafe_.action != FailsafeAction::hold;
     }
-    bool released(const ChannelFrame& frame);
+    bool released(const ChannelFrame& frame, std::span<const Input> inputs);
     void take_up_channels();
     void fill_absent(ChannelFrame& frame, Instant now);
 

@@ -250,14 +250,15 @@ ChannelMap::ChannelMap(std::span<const ChannelRule> rules) {
     }
 }
 
-ChannelFrame ChannelMap::aim(const ChannelFrame& input) {
+ChannelFrame ChannelMap::aim(const ChannelFrame& input) const {
     ChannelFrame output = input;
-    straight_lanes_.apply(input, output);
-    for (Lane& lane : lanes_) {
+    StraightLanes straight = straight_lanes_;
+    straight.apply(input, output);
+    for (const Lane& lane : lanes_) {
         std::optional<WidePulse> pulse = std::visit(SourceReader{input, lines_}, lane.source);
-        for (Filter& filter : lane.filters) {
+        for (const Filter& filter : lane.filters) {
             if (pulse && !std::holds_alternative<SlewFilter>(filter)) {
-                pulse = std::visit([&](auto& step) { return step.apply(*pulse, {}); }, filter);
+                pulse = std::visit([&](auto step) { return step.apply(*pulse, {}); }, filter);
             }
         }
         output.set(lane.output, pulse ? std::optional(Pulse::from_eighths(*pulse)) : std::nullopt);

@@ -119,7 +119,7 @@ class ChannelMap {
     }
 
     /// What `apply` would make without slews. Moves none.
-    ChannelFrame aim(const ChannelFrame& input);
+    ChannelFrame aim(const ChannelFrame& input) const;
 
     /// Sets the levels of the input lines.
     void set_lines(LineLevels levels) { lines_ = levels; }

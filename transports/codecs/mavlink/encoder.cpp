@@ -261,8 +261,10 @@ void MavlinkEncoder::continue_from(const Encoder& before) {
 /// Overrides of a channel that nobody sends any more would last as long as the autopilot says, for
 /// ever with RC_OVERRIDE_TIME -1.
 void MavlinkEncoder::give_back_for(const MavlinkEncoder& before) {
-    const bool same_target = settings_.target == before.settings_.target;
-    const std::uint32_t own = same_target ? own_channels() : 0;
+    const Settings& old = before.settings_;
+    const bool same_link = settings_.target == old.target && settings_.system == old.system &&
+                           settings_.component == old.component && settings_.key == old.key;
+    const std::uint32_t own = same_link ? own_channels() : 0;
     own_.channels = own & before.own_.channels;
     if (own_.channels != 0 && settings_.releases) {
         own_.left = before.settings_.releases ? before.own_.left : kReleases;

@@ -88,8 +88,8 @@ class MavlinkEncoder final : public ByteEncoder {
                               Instant now) override;
     void use_clock(const WallClock& clock) override;
     /// What `before` has taken over and this one does not send is given back, if either `releases`:
-    /// to another target or before another message first, with kReleases messages; else in the
-    /// next kReleases messages with channels.
+    /// first, with kReleases messages as `before` sent, where the target, the sender or its key is
+    /// another, or the message; else in the next kReleases messages with channels.
     void continue_from(const Encoder& before) override;
     int farewells() const override { return settings_.releases ? kReleases : 0; }
     std::optional<AskedTiming> hear(std::span<const std::uint8_t> bytes, Instant now) override;
@@ -120,7 +120,8 @@ class MavlinkEncoder final : public ByteEncoder {
         std::uint32_t channels = 0;
         int left = 0;  ///< messages
     };
-    /// What an encoder before this one took over, of a target or with a message that it has not.
+    /// What an encoder before this one took over as another sender, of another target, or with a
+    /// message that this one has not.
     struct Former {
         Sender sender;
         std::uint8_t target = 0;

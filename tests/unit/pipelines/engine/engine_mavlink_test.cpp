@@ -139,6 +139,24 @@ TEST(EngineMavlink, ChannelsAreGivenBackTenTimesAtTheEndAndWithinASecond) {
     }
 }
 
+TEST(EngineMavlink, ChannelsAreGivenBackAtTheEndWhateverTheFailsafeSends) {
+    for (const FailsafeAction action : {FailsafeAction::preset, FailsafeAction::hold}) {
+        OutputSettings output = autopilot(kOverrides);
+        output.failsafe.action = action;
+        output.failsafe.presets.fill(us(1500));
+        AutopilotBench bench(std::move(output), 600ms);
+        bench.steer(at(0ms), at(2s));
+        bench.sent_until(at(2001ms));
+        const auto last = bench.sent_at_end(at(2001ms));
+        ASSERT_EQ(last.size(), 10U);
+        for (const Message& message : last) {
+            EXPECT_EQ(message.id(), kOverrideId);
+            EXPECT_EQ(message.bytes.at(10), 0U) << "0 gives channel 1 back";
+            EXPECT_EQ(message.bytes.at(11), 0U);
+        }
+    }
+}
+
 TEST(EngineMavlink, AReloadToAnotherTargetGivesTheChannelsOfTheOldOneBack) {
     AutopilotBench bench(autopilot(kOverrides));
     bench.steer(at(0ms), at(1s));

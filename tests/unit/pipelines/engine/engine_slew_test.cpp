@@ -147,6 +147,83 @@ TEST(ReleaseWhen, waits_for_the_stick_although_its_channel_comes_slowly_from_a_l
     EXPECT_FALSE(bench.said(at(2100ms)).failsafe);
 }
 
+/// Frames of an input whose map slows the third channel.
+InputSettings slow_throttle_input() {
+    InputSettings input = ibus_input();
+    input.channels = {{.output = 2, .source = FromChannel{2}, .slew_us_per_second = kSlow}};
+    return input;
+}
+void throttle(Bench& bench, std::size_t input, Duration from, Duration until, int third) {
+    for (Duration when = from; when < until; when += 8ms) {
+        bench.ibus(input, at(when), us(1500), us(third));
+    }
+}
+OutputSettings output_with_release(std::vector<std::size_t> inputs, int below) {
+    return sbus_output(std::move(inputs),
+                       {.hold = 0ms,
+                        .recover = 500ms,
+                        .release_when = ValueRule{.channel = 2, .below = us(below)}});
+}
+
+/// The channel has come to 1050 us when the input has recovered.
+TEST(ReleaseWhen, waits_for_the_stick_although_the_map_of_the_input_slows_its_channel) {
+    Bench bench(list(slow_throttle_input()), list(output_with_release({0}, 1100)));
+    throttle(bench, 0, 1ms, 3s, 1000);
+    EXPECT_FALSE(bench.said(at(3s)).failsafe);
+    throttle(bench, 0, 4s, 4700ms, 2000);
+    EXPECT_TRUE(bench.said(at(4700ms)).failsafe);
+    EXPECT_EQ(bench.engine().outputs()[0].wait(at(4700ms), bench.engine().inputs()).pulse,
+              us(2000));
+    throttle(bench, 0, 4700ms, 4800ms, 1000);
+    EXPECT_FALSE(bench.said(at(4800ms)).failsafe);
+}
+
+TEST(ReleaseWhen, waits_for_the_sticks_of_all_that_vote_where_their_maps_slow_the_channel) {
+    OutputSettings output = output_with_release({0, 1}, 1100);
+    output.selection.mode = SelectionMode::median;
+    Bench bench(list(slow_throttle_input(), slow_throttle_input()), list(std::move(output)));
+    const auto both = [&](Duration from, Duration until, int first, int second) {
+        for (Duration when = from; when < until; when += 8ms) {
+            throttle(bench, 0, when, when + 1ms, first);
+            throttle(bench, 1, when, when + 1ms, second);
+        }
+    };
+    both(1ms, 3s, 1000, 1000);
+    EXPECT_FALSE(bench.said(at(3s)).failsafe);
+    both(4s, 4700ms, 1000, 2000);
+    EXPECT_TRUE(bench.said(at(4700ms)).failsafe);
+    both(4700ms, 4800ms, 1000, 1000);
+    EXPECT_FALSE(bench.said(at(4800ms)).failsafe);
+}
+
+/// The slew starts at the preset, 988 us, in each frame, so it never comes above 1400 us.
+TEST(ReleaseWhen, is_fulfilled_by_the_stick_alone_where_a_slew_starts_at_a_preset_beyond_it) {
+    OutputSettings output = sbus_output(
+        {0}, {.recover = 500ms,
+              .release_when = ValueRule{.channel = 2, .between = PulseRange{us(1400), us(1600)}}});
+    output.channels = {{.output = 2, .source = FromChannel{2}, .slew_us_per_second = kSlow}};
+    Bench bench(list(ibus_input()), list(std::move(output)));
+    throttle(bench, 0, 1ms, 2s, 1700);
+    EXPECT_TRUE(bench.said(at(2s)).failsafe);
+    throttle(bench, 0, 2s, 2100ms, 1500);
+    EXPECT_FALSE(bench.said(at(2100ms)).failsafe);
+    EXPECT_NEAR(bench.said(at(2100ms)).raw[2], raw_of(998), 20) << "it goes on from the preset";
+}
+
+/// The stick is there at once, the channel of the input comes to it slowly.
+TEST(ReleaseWhen, waits_for_the_channel_of_the_input_whatever_the_preset_is) {
+    OutputSettings output = sbus_output(
+        {0}, {.hold = 0ms,
+              .recover = 100ms,
+              .release_when = ValueRule{.channel = 2, .between = PulseRange{us(1400), us(1600)}}});
+    Bench bench(list(slow_throttle_input()), list(std::move(output)));
+    throttle(bench, 0, 1ms, 1s, 1700);
+    throttle(bench, 0, 1s, 1500ms, 1500);
+    EXPECT_TRUE(bench.said(at(1500ms)).failsafe);
+    throttle(bench, 0, 1500ms, 2200ms, 1500);
+    EXPECT_FALSE(bench.said(at(2200ms)).failsafe);
+}
+
 TEST(SlewOfAnInput, does_not_make_up_for_the_time_of_a_loss) {
     InputSettings input = sbus_input();
     input.channels = slow_first_channel();

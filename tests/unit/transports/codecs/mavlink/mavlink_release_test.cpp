@@ -138,6 +138,35 @@ TEST_F(MavlinkRelease, OfAReloadToAnotherTargetComesFirstAndGoesToTheOldOne) {
     expect_silent(10, {2, 254, "bbbbbbbb.........."});
 }
 
+/// An autopilot may refuse the new sender.
+TEST_F(MavlinkRelease, OfAReloadToAnotherSenderComesFirstAsTheOldOne) {
+    steer();
+    load({.message = kOverrides, .system = 254, .channels = 8, .releases = true});
+    expect_steered(10, {1, 255, "bbbbbbbb.........."});
+    expect_steered(5, {1, 254, "ssssssss.........."});
+    load({.message = kOverrides, .system = 254, .component = 191, .channels = 8, .releases = true});
+    for (int i = 0; i < 10; ++i) {
+        EXPECT_EQ(steer().at(6), 190) << i;
+    }
+    EXPECT_EQ(steer().at(6), 191);
+}
+
+TEST_F(MavlinkRelease, OfAReloadToAnotherKeyComesFirstWithTheOldOne) {
+    const SecretKey old_key{1};
+    const SecretKey new_key{2};
+    load({.message = kOverrides, .channels = 8, .releases = true, .key = old_key});
+    steer();
+    load({.message = kOverrides, .channels = 8, .releases = true, .key = new_key});
+    MavlinkDecoder old_autopilot({.target = 1, .key = old_key});
+    for (int i = 0; i < 10; ++i) {
+        const Bytes release = steer();
+        EXPECT_EQ(override_in(release), (Override{1, 255, "bbbbbbbb.........."})) << i;
+        feed(old_autopilot, release);
+    }
+    EXPECT_EQ(count_of(old_autopilot, "wrong_signature"), 0U);
+    expect_steered(5, {1, 255, "ssssssss.........."});
+}
+
 TEST_F(MavlinkRelease, OfAReloadToAnotherTargetComesWhileTheOutputIsSilent) {
     steer();
     load({.message = kOverrides, .target = 2, .channels = 8, .releases = true});
