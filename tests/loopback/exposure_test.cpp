@@ -86,32 +86,32 @@ TEST_F(Exposure, OfTheMqttBridgeIsWhatThePageSays) {
 }
 
 TEST_F(Exposure, OfTheUnitIsWhatThePageSays) {
-    EXPECT_NE(source_text(kPage).find("| none | 1.5 |"), std::string::npos);
-    rated(15);
+    EXPECT_NE(source_text(kPage).find("| none | 1.9 |"), std::string::npos);
+    rated(19);
 }
 
 TEST_F(Exposure, WithInputDevicesIsNoGreater) {
-    EXPECT_NE(source_text(kPage).find("(#joysticks-in-the-service) | 1.5 |"), std::string::npos);
+    EXPECT_NE(source_text(kPage).find("(#joysticks-in-the-service) | 1.9 |"), std::string::npos);
     with_drop_in("Joysticks in the service");
-    rated(15);
+    rated(19);
 }
 
 TEST_F(Exposure, WithSpiPortsIsNoGreater) {
-    EXPECT_NE(source_text(kPage).find("(#spi-in-the-service) | 1.5 |"), std::string::npos);
+    EXPECT_NE(source_text(kPage).find("(#spi-in-the-service) | 1.9 |"), std::string::npos);
     with_drop_in("SPI in the service");
-    rated(15);
+    rated(19);
 }
 
 TEST_F(Exposure, WithPwmIsWhatThePageSays) {
-    EXPECT_NE(source_text(kPage).find("(#pwm-in-the-service) | 1.7,"), std::string::npos);
+    EXPECT_NE(source_text(kPage).find("(#pwm-in-the-service) | 2.1,"), std::string::npos);
     with_drop_in("PWM in the service");
-    rated(17);
+    rated(21);
 }
 
 TEST_F(Exposure, WithUdpIsWhatThePageSays) {
-    EXPECT_NE(source_text(kPage).find("(#udp-in-the-service) | 1.8,"), std::string::npos);
+    EXPECT_NE(source_text(kPage).find("(#udp-in-the-service) | 2.2,"), std::string::npos);
     with_drop_in("UDP in the service");
-    rated(18);
+    rated(22);
 }
 
 }  // namespace
