@@ -217,15 +217,20 @@ void check_written_presets(const FailsafeSettings& settings, std::uint32_t writt
             break;
         }
     }
+    // One motor among channels of other kinds must not give them its standstill.
+    const std::string which =
+        std::popcount(risk->channels) == 1
+            ? fmt::format("{} = {}, other = 1500", channel + 1,
+                          format_number(risk->standstill.microseconds()))
+            : fmt::format("other = {}", format_number(risk->standstill.microseconds()));
     mistakes.add(where,
                  fmt::format("\"action\" is \"preset\", but the preset of channel {} is not "
                              "written: output {} drives motors, and they would get the default, "
                              "{} us, where {} us is standstill; write a preset for each of them, "
-                             "such as preset = {{ other = {} }}, or leave \"action\" out",
+                             "such as preset = {{ {} }}, or leave \"action\" out",
                              channel + 1, in_quotes(output.name),
                              format_number(settings.presets[channel].microseconds()),
-                             format_number(risk->standstill.microseconds()),
-                             format_number(risk->standstill.microseconds())));
+                             format_number(risk->standstill.microseconds()), which));
 }
 
 /// The default presets of an output that sends them, against the limits of its channels.

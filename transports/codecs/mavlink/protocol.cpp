@@ -265,11 +265,12 @@ std::vector<SettingMistake> doubt_throttle(const SettingValues& settings, Settin
              "\"centred\" for such a vehicle, throttle = \"zero based\" for all others"}};
 }
 
+/// The default preset of the throttle, 988 us, is full reverse where its centre stands still.
 std::optional<MovingPresets> moves_by_default_throttle(const SettingValues& settings) {
     const MavlinkEncoder::Settings sent = encoder_settings(settings);
-    const bool centred = sent.throttle == MavlinkThrottle::centred;
-    return sent.message == MavlinkChannels::manual_control && !centred
-               ? std::optional(MovingPresets{1U << 2U, kSwitchOffPulse})
+    return sent.message == MavlinkChannels::manual_control &&
+                   sent.throttle == MavlinkThrottle::centred
+               ? std::optional(MovingPresets{1U << 2U, kCentrePulse})
                : std::nullopt;
 }
 

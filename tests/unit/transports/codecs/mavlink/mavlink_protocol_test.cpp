@@ -94,17 +94,19 @@ TEST(MavlinkProtocol, AsksHowTheThrottleOfTheVehicleCounts) {
     EXPECT_EQ(kMavlinkProtocol.warnings({}, SettingScope::output).size(), 0U);
 }
 
-TEST(MavlinkProtocol, WantsAWrittenPresetOfAThrottleThatTheDefaultWouldOpen) {
-    const std::string manual = "message = \"manual_control\"\n";
-    const auto with_presets = [&](const std::string& lines, const std::string& preset) {
-        return to_autopilot(manual + lines + "[pipeline.main.failsafe]\naction = \"preset\"\n" +
-                            preset);
+/// 988 us is standstill with a zero-based throttle, and full reverse with a centred one.
+TEST(MavlinkProtocol, WantsAWrittenPresetOfACentredThrottle) {
+    const auto with_presets = [&](const std::string& throttle, const std::string& preset) {
+        return to_autopilot("message = \"manual_control\"\nthrottle = \"" + throttle +
+                            "\"\n[pipeline.main.failsafe]\naction = \"preset\"\n" + preset);
     };
-    const Lines refused = with_presets("throttle = \"zero based\"\n", "");
+    const Lines refused = with_presets("centred", "");
     ASSERT_EQ(refused.size(), 1U);
     EXPECT_NE(refused[0].find("the preset of channel 3 is not written"), std::string::npos);
-    EXPECT_EQ(with_presets("throttle = \"zero based\"\n", "preset = { 3 = 1000 }\n"), Lines{});
-    EXPECT_EQ(with_presets("throttle = \"centred\"\n", ""), Lines{});
+    EXPECT_NE(refused[0].find("such as preset = { 3 = 1500, other = 1500 }"), std::string::npos)
+        << "the other axes keep their centre";
+    EXPECT_EQ(with_presets("centred", "preset = { 3 = 1500 }\n"), Lines{});
+    EXPECT_EQ(with_presets("zero based", ""), Lines{});
 }
 
 TEST(MavlinkProtocol, SendsNoRcChannelsWhichOnlyAutopilotsSend) {
