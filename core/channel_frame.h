@@ -43,8 +43,6 @@ class ChannelFrame {
     std::uint8_t link_quality = kNoLinkQuality;
     /// Cause of the state of the source input. Only set in the frames of an output.
     LinkCause cause = LinkCause::never_seen;
-    /// An output holds these values after a loss.
-    bool held = false;
     /// Number of the frame within its input; wraps.
     std::uint32_t sequence = 0;
     /// When the last byte of the frame was read.

@@ -20,8 +20,8 @@ UniqueFd folder_of(const std::filesystem::path& file);
 /// errno if that fails.
 UniqueFd new_file(int folder, const std::string& name, mode_t mode);
 
-/// What root has made in a folder becomes that of the owner of the folder, so that the service can
-/// use it. No effect for other users. False with errno if that fails.
+/// Gives what root has made in a folder to the owner of the folder, so that the service can use it.
+/// No effect for other users. False with errno if that fails.
 bool give_to_owner(int folder, int made);
 
 }  // namespace tribus

@@ -22,7 +22,7 @@ std::vector<std::string> running_daemons();
 CommandOption daemon_name_option(std::string& name);
 CommandOption daemon_socket_option(std::optional<std::string>& socket);
 
-/// What a command wants of a daemon.
+/// Purpose for which a command looks for a daemon.
 enum class Wants : std::uint8_t {
     change,
     look,  ///< the socket that only tells is enough

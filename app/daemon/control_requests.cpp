@@ -73,7 +73,7 @@ std::string make_draft_folder(const std::string& file) {
     const std::filesystem::path path = std::filesystem::path(file).parent_path();
     constexpr mode_t kUserAndGroup = S_IRWXU | S_IRWXG;
     const bool made = ::mkdir(path.c_str(), kUserAndGroup) == 0 || errno == EEXIST;
-    // What another user has put there is not changed.
+    // The rights of what another user has put there stay.
     const UniqueFd folder(
         made ? ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC) : -1);
     if (!folder.valid() || ::fchmod(folder.get(), kUserAndGroup) != 0) {

@@ -79,7 +79,7 @@ std::optional<std::uint64_t> Daemon::begin_confirming() {
                   .preparation = Preparation::of_text(path_)});
 }
 
-/// What runs without end is what the file has, so that the next start runs the same.
+/// The file must have the text of the draft, so that the next start runs the same.
 ReloadOutcome Daemon::finish_confirming(Change& change) {
     const auto read = change.preparation->take();
     if (!read) {

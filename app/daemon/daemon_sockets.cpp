@@ -78,7 +78,9 @@ void DaemonSockets::look() {
 
 std::vector<int> DaemonSockets::descriptors() const {
     std::vector<int> descriptors;
-    for (const auto& server : {control_.get(), look_.get()}) {
+    // The main loop adds that of a reload.
+    descriptors.reserve(3);
+    for (const auto* server : {control_.get(), look_.get()}) {
         if (server != nullptr) {
             descriptors.push_back(server->descriptor());
         }

@@ -22,8 +22,8 @@ struct ShownTrial {
 };
 
 /// The control socket of a running daemon, the socket that only tells, and what clients see there.
-/// Thread-bound to the main
-/// thread, which waits for `descriptors` and `due`; no function here waits.
+/// Thread-bound to the main thread, which waits for `descriptors` and `due`; no function here
+/// waits.
 class DaemonSockets {
   public:
     /// Opens the control socket of the daemon that runs `config`, at `socket` or in the default

@@ -13,7 +13,7 @@
 
 namespace tribus {
 
-/// What a Preparation yields.
+/// Result of a Preparation.
 struct Prepared {
     std::unique_ptr<Appliance> appliance;  ///< null if only a text was asked for
     std::string text;                      ///< as read; empty if none was

@@ -57,7 +57,7 @@ class Watchdog {
     Punctuality punctuality() const { return punctuality_; }
     /// Index of the late output, if `punctuality` is `output_late`.
     std::size_t late_output() const { return late_output_; }
-    /// What stands, if `punctuality` is `part_stands`.
+    /// The part that stands, if `punctuality` is `part_stands`.
     const Standing& standing() const { return standing_; }
 
   private:

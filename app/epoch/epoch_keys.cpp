@@ -64,7 +64,7 @@ void EpochFile::begin_keys(const Content& stored) {
     }
 }
 
-/// As `take_up_again`.
+/// Does for the numbers of keys what `take_up_again` does.
 void EpochFile::take_up_keys_again() {
     const std::lock_guard guard(mutex_);
     for (OfKey& key : keys_) {
@@ -72,7 +72,7 @@ void EpochFile::take_up_keys_again() {
     }
 }
 
-/// What is to be stored of them.
+/// Returns the numbers of the keys that are to be stored.
 std::vector<EpochFile::KeyNumber> EpochFile::ends_of_keys(bool ended) {
     const std::lock_guard guard(mutex_);
     std::vector<KeyNumber> ends;

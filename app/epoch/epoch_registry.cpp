@@ -79,7 +79,8 @@ void EpochFile::take_up_again() {
     want(next() + block_);
 }
 
-/// In its thread, once nobody used it. Returns false if somebody does again; else it is no more.
+/// Its thread calls it once nobody uses the file. Returns false if somebody does again; else the
+/// object is gone.
 bool EpochFile::close() {
     // If that fails, the file still has a number that is high enough.
     static_cast<void>(store(next(), true));

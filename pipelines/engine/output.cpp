@@ -165,7 +165,7 @@ void Output::set_device_present(bool present) {
 [[gnu::noinline]] bool Output::make_failsafe_frame(ChannelFrame& frame, Instant now) {
     frame = {};
     if (ending_ && farewells() > 0) {
-        // What the encoder says last stands in the place of silence.
+        // The encoder's last frames take the place of silence.
         return false;
     }
     switch (failsafe_.action) {
@@ -211,8 +211,8 @@ void Output::set_device_present(bool present) {
     }
 }
 
-/// What was held until the latest frame did not move until then. After failsafe, channels go on
-/// from what was said last.
+/// Held values do not move, so the time until the latest frame does not count. After failsafe,
+/// channels go on from the latest frame.
 void Output::rest_slews(bool after_failsafe) {
     map_.rest(ongoing_.latest_at);
     ongoing_.glide.rest(ongoing_.latest_at);
@@ -308,7 +308,6 @@ bool Output::make_frame(ChannelFrame& frame, Instant now, std::span<const Input>
         if (!yielding && end_of_period < valid_until_) {
             frame = *ongoing_.held;
             frame.frame_lost = true;
-            frame.held = true;
             return true;
         }
         enter_failsafe();

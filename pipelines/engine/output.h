@@ -246,6 +246,7 @@ class Output {
     void enter_failsafe();
     void glide_from_latest(std::optional<double> us_per_second);
     void glide_to_another_input();
+    void retime_glide(const Output& before);
     void rest_slews(bool after_failsafe);
     /// A glide that is under way rests while values are held.
     bool glides_into_failsafe() const {

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "pipelines/engine/output.h"
@@ -21,6 +23,7 @@ void Output::continue_from(Output& before, const OutputCarry& carry,
     } else {
         take_up_channels();
     }
+    retime_glide(before);
     if (ongoing_.stage == OutputStage::failsafe && !carry.same_failsafe && glides_into_failsafe()) {
         glide_from_latest(failsafe_.slew_us_per_second);
     }
@@ -33,6 +36,22 @@ void Output::continue_from(Output& before, const OutputCarry& carry,
     }
     // An output that had no inputs before has no values to hold.
     ongoing_.stage = ongoing_.held ? ongoing_.stage : OutputStage::failsafe;
+}
+
+/// New rates count from the next frame on, also for channels that are on their way: at the slower
+/// of those that there are.
+void Output::retime_glide(const Output& before) {
+    const auto& slew = failsafe_.slew_us_per_second;
+    const auto& changeover = changeover_us_per_second_;
+    if (slew == before.failsafe_.slew_us_per_second &&
+        changeover == before.changeover_us_per_second_) {
+        return;
+    }
+    if (!slew && !changeover) {
+        ongoing_.glide.stop();
+        return;
+    }
+    ongoing_.glide.set_rate(std::min(slew.value_or(HUGE_VAL), changeover.value_or(HUGE_VAL)));
 }
 
 /// For a changed map: slews start from the latest frame, whenever that was, and held values become

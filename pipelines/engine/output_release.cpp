@@ -5,10 +5,10 @@
 
 namespace tribus {
 
-/// What the sticks say, what the inputs make of it, and what would be sent have to fulfil
-/// `release_when`: a slew that starts at a low value hides a high throttle. The slew of the output
-/// starts at its preset again in each frame, so one that does not fulfil the rule would keep what
-/// would be sent from ever fulfilling it. Then only the others count.
+/// Three frames must fulfil `release_when`: the sticks, the inputs' own maps of them, and the frame
+/// that would be sent. A slew that starts at a low value would hide a high throttle from the last
+/// one. A preset that does not fulfil the rule would keep the last one from ever fulfilling it,
+/// because the output's slew starts there again in each frame; then only the first two count.
 bool Output::released(const ChannelFrame& frame, std::span<const Input> inputs) {
     const ValueRule& rule = *failsafe_.release_when;
     std::optional<ChannelFrame> obstacle;

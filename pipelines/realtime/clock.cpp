@@ -19,7 +19,7 @@ class FollowedClock final : public WallClock {
     void set(Duration since_1970, Instant now, Duration slewed, bool is_set) {
         ahead_.store((since_1970 - now.time_since_epoch()).count(), std::memory_order_relaxed);
         slewed_.store(slewed.count(), std::memory_order_relaxed);
-        // Whoever sees that the clock is set sees its time, too.
+        // A reader that sees that the clock is set sees its time, too.
         is_set_.store(is_set, std::memory_order_release);
     }
     Duration at(Instant now) const override {
@@ -63,8 +63,8 @@ Clocks read_clocks() {
     return clocks;
 }
 
-/// By the most that the clock may be off, as the kernel knows, not by STA_UNSYNC: programs that set
-/// the time leave that on where the kernel must not write the RTC.
+/// Judges by the most that the clock may be off, as the kernel knows. STA_UNSYNC says less:
+/// programs that set the time leave it on where the kernel must not write the RTC.
 bool is_wall_clock_set() {
     constexpr long kUnknownError = 16'000'000;  // microseconds, NTP_PHASE_LIMIT of the kernel
     timex asked{};

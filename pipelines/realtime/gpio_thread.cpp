@@ -17,7 +17,7 @@ namespace {
 /// Period in which every line is read even without an edge, because the removal of a chip does not
 /// wake a thread that already waits for its edges.
 constexpr Duration kLookPeriod = std::chrono::milliseconds(200);
-/// Of an edge, as far as it matters: longer than any debouncing.
+/// Longest age of an edge that matters: longer than any debouncing.
 constexpr Duration kLongestAge = std::chrono::seconds(2);
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "pipelines/realtime/loop.h"
 
 #include <pthread.h>
+
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -125,7 +126,7 @@ std::size_t Loop::wait(Instant until) {
     const Instant at_the_latest = std::min(until, later(clock_, kLongestWait));
     const std::size_t ready = wait_until(until - std::min(settings_.spin, until - clock_));
     clock_ = monotonic_now();
-    const Instant in_time = interrupted_ ? read_until_ : at_the_latest;
+    const Instant in_time = waits_.interrupted() ? read_until_ : at_the_latest;
     late_by_ = clock_ - in_time;
     while (ready == 0 && clock_ < until && until - clock_ <= settings_.spin) {
         clock_ = monotonic_now();
@@ -136,22 +137,28 @@ std::size_t Loop::wait(Instant until) {
 std::size_t Loop::wait_until(Instant until) {
     // The time spent since the last write must not delay the wake-up.
     const Duration sleep = std::clamp(until - monotonic_now(), Duration::zero(), kLongestWait);
-    const PortWaits::Wake wake = waits_.wait(sleep, ready_);
-    interrupted_ = wake.interrupted;
-    if (wake.failed) {
+    const std::size_t ready = waits_.wait(sleep, ready_);
+    if (waits_.has_news()) {
+        take_news(std::span(ready_).first(ready));
+    }
+    return ready;
+}
+
+/// Handles what a wait told besides bytes and frames.
+[[gnu::noinline]] void Loop::take_news(std::span<const std::uint32_t> ready) {
+    if (waits_.failed()) {
         wait_failure_.store(waits_.failure(), std::memory_order_release);
     }
-    for (std::size_t i = 0; wake.hung_up && i < wake.ready; ++i) {
-        watch_again(ready_[i]);
+    for (std::size_t i = 0; waits_.hung_up() && i < ready.size(); ++i) {
+        watch_again(ready[i]);
     }
-    if (wake.event_came) {
+    if (waits_.event_came()) {
         event_came_ = true;
         accept_given_links();
         if (settings_.lines != nullptr) {
             settings_.lines->clear_data_event();
         }
     }
-    return wake.ready;
 }
 
 void Loop::look_at_lines(Instant now) {
@@ -214,7 +221,6 @@ void Loop::look_at_lines(Instant now) {
             catch_up(read_until_, now);
         } else {
             for (std::size_t i = 0; i < ready; ++i) {
-                ports_[ready_[i]].reported = true;
                 read_port(ready_[i], now);
             }
             if (quiet_ports_ > 0) {

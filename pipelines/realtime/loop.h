@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -297,6 +298,7 @@ class Loop {
     /// Returns the number of ready ports; `ready_` has their indices. Reads the clock.
     std::size_t wait(Instant until);
     std::size_t wait_until(Instant until);
+    void take_news(std::span<const std::uint32_t> ready);
 
     /// Limit of reads in a row. It empties the kernel's receive buffer and keeps one sender from
     /// blocking the other ports.
@@ -336,8 +338,6 @@ class Loop {
     Instant read_until_{};
     /// How late the latest wait ended.
     Duration late_by_{};
-    /// The latest wait was interrupted because the thread was stopped or suspended.
-    bool interrupted_ = false;
     AbsenceStatus absence_;
     Snapshot<AbsenceStatus> absence_status_;
     /// Another thread has set an event.

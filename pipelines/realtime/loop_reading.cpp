@@ -169,6 +169,7 @@ void Loop::read_port(std::size_t index, Instant now) {
     if (!port.link) {
         return;
     }
+    port.reported = true;
     end_quiet(index);
     ByteLink* bytes = port.link->as_bytes();
     const ReadStatus status = bytes != nullptr ? read_bytes(index, *bytes, now)
@@ -275,6 +276,8 @@ ReadStatus Loop::catch_up_on_bytes(const PortWiring& wiring, ByteLink& link, Ins
         if (!port.link) {
             continue;
         }
+        // A report of what is read here may have been on its way.
+        port.reported = true;
         end_quiet(index);
         ReadStatus status = ReadStatus::nothing;
         if (CanLink* can = port.link->as_can()) {

@@ -16,7 +16,7 @@
 namespace tribus {
 namespace {
 
-/// Events of other threads have this number; no watch has it.
+/// Events of other threads have this number; no watch has such a place.
 constexpr std::uint64_t kEvent = ~std::uint64_t{0};
 
 std::string error_text(const char* what) {
@@ -116,15 +116,6 @@ void PortWaits::end(const Watch& watch, const Link& link) {
     places_[watch.place] = {.generation = watch.generation + 1};
 }
 
-const PortWaits::Place* PortWaits::place_of(std::uint64_t number) const {
-    const auto index = static_cast<std::uint32_t>(number);
-    if (index >= places_.size()) {
-        return nullptr;
-    }
-    const Place& place = places_[index];
-    return place.generation == number >> 32U ? &place : nullptr;
-}
-
 /// A filter of system calls may be put on a running program, so epoll_pwait2 can begin to fail.
 int PortWaits::wait_for(const Duration& longest, std::span<epoll_event> events) {
     const timespec timeout = as_timespec(longest);
@@ -137,36 +128,42 @@ int PortWaits::wait_for(const Duration& longest, std::span<epoll_event> events) 
 }
 
 /// After a wait that was interrupted or refused. Returns the number of events that wait.
-[[gnu::noinline]] int PortWaits::wait_again(std::span<epoll_event> events, Wake& wake) {
+[[gnu::noinline]] int PortWaits::wait_again(std::span<epoll_event> events) {
     int count = -1;
     if (errno == EINTR) {
-        wake.interrupted = true;
+        news_ |= kInterrupted;
         count = wait_for(Duration::zero(), events);
     }
     if (count < 0 && errno != EINTR) {
-        wake.failed = true;
+        news_ |= kFailed;
         failure_ = errno;
     }
-    return count;
+    return std::max(count, 0);
 }
 
-PortWaits::Wake PortWaits::wait(Duration longest, std::span<std::uint32_t, kMostReady> ready) {
+std::size_t PortWaits::wait(Duration longest, std::span<std::uint32_t, kMostReady> ready) {
     std::array<epoll_event, kMostReady> events;
-    Wake wake;
+    news_ = 0;
     int count = wait_for(longest, events);
     if (count < 0) {
-        count = wait_again(events, wake);
+        count = wait_again(events);
     }
-    for (int i = 0; i < count; ++i) {
-        const epoll_event& event = events[static_cast<std::size_t>(i)];
-        if (event.data.u64 == kEvent) {
-            wake.event_came = true;
-        } else if (const Place* place = place_of(event.data.u64)) {
-            ready[wake.ready++] = place->port;
-            wake.hung_up = wake.hung_up || event.events != EPOLLIN;
+    std::size_t found = 0;
+    std::uint32_t kinds = EPOLLIN;
+    const epoll_event* const end = events.data() + count;
+    for (const epoll_event* event = events.data(); event != end; ++event) {
+        const auto index = static_cast<std::uint32_t>(event->data.u64);
+        if (index >= places_.size()) {
+            news_ |= kEventCame;
+        } else if (places_[index].generation == event->data.u64 >> 32U) {
+            ready[found++] = places_[index].port;
+            kinds |= event->events;
         }
     }
-    return wake;
+    if (kinds != EPOLLIN) {
+        news_ |= kHungUp;
+    }
+    return found;
 }
 
 }  // namespace tribus

@@ -31,13 +31,6 @@ class PortWaits {
         std::uint32_t place = 0;
         std::uint32_t generation = 0;
     };
-    struct Wake {
-        std::size_t ready = 0;  ///< how many ports were filled in
-        bool hung_up = false;   ///< at one of them not only bytes came: a hang-up or an error
-        bool event_came = false;
-        bool interrupted = false;  ///< the thread was stopped, frozen or suspended
-        bool failed = false;       ///< the kernel refuses to wait; `failure` says why
-    };
 
     /// Creates the descriptors, with room for the links of `ports` ports. Main thread. The error is
     /// a sentence.
@@ -61,15 +54,24 @@ class PortWaits {
     void end(const Watch& watch, const Link& link);
 
     /// Sleeps until a link is ready, an event came, or `longest` is over. `ready` gets the ports
-    /// whose links are ready.
-    Wake wait(Duration longest, std::span<std::uint32_t, kMostReady> ready);
+    /// whose links are ready. Returns how many.
+    std::size_t wait(Duration longest, std::span<std::uint32_t, kMostReady> ready);
+    /// Whether the latest wait told anything besides bytes and frames.
+    bool has_news() const { return news_ != 0; }
+    bool event_came() const { return (news_ & kEventCame) != 0; }
+    /// At a port not only bytes came: a hang-up or an error.
+    bool hung_up() const { return (news_ & kHungUp) != 0; }
+    /// The thread was stopped, frozen or suspended.
+    bool interrupted() const { return (news_ & kInterrupted) != 0; }
+    /// The kernel refuses to wait; `failure` says why.
+    bool failed() const { return (news_ & kFailed) != 0; }
     /// The event that ends a wait of this thread. Any thread may write to it.
     int wake_up() const { return wake_up_.get(); }
-    /// Why `wait` failed: a value of errno.
+    /// Why a wait failed: a value of errno.
     int failure() const { return failure_; }
 
   private:
-    /// Of a place that is free.
+    /// Port of a place that is free.
     static constexpr std::uint32_t kNoPort = ~0U;
     struct Place {
         std::uint32_t generation = 0;  ///< another one for each watch and after its end
@@ -77,14 +79,15 @@ class PortWaits {
     };
 
     bool control(int operation, int descriptor, const Watch& watch, std::uint32_t events) const;
-    const Place* place_of(std::uint64_t number) const;
     int wait_for(const Duration& longest, std::span<epoll_event> events);
-    int wait_again(std::span<epoll_event> events, Wake& wake);
+    int wait_again(std::span<epoll_event> events);
 
     UniqueFd epoll_;
     UniqueFd wake_up_;
     bool has_epoll_pwait2_ = true;
     int failure_ = 0;
+    enum News : unsigned { kEventCame = 1, kHungUp = 2, kInterrupted = 4, kFailed = 8 };
+    unsigned news_ = 0;  ///< of the latest wait
     std::size_t ports_ = 0;
     std::vector<Place> places_;
 };

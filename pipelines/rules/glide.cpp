@@ -8,9 +8,13 @@
 
 namespace tribus {
 
-void Glide::start(const ChannelFrame& from, double us_per_second, Instant now) {
+void Glide::set_rate(double us_per_second) {
     constexpr double kNanosecondsPerSecond = 1e9;
     eighths_per_nanosecond_ = us_per_second * Pulse::kEighthsPerMicrosecond / kNanosecondsPerSecond;
+}
+
+void Glide::start(const ChannelFrame& from, double us_per_second, Instant now) {
+    set_rate(us_per_second);
     latest_at_ = now;
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
         under_way_[channel] = from.has(channel);

@@ -17,6 +17,8 @@ class Glide {
     void start(const ChannelFrame& from, double us_per_second, Instant now);
     /// The same on the way to other values: a lower limit that is still under way remains.
     void start_anew(const ChannelFrame& from, double us_per_second, Instant now);
+    /// Goes on from what was reached, at another rate.
+    void set_rate(double us_per_second);
     /// Ends the limit for all channels.
     void stop() { under_way_.reset(); }
     /// The time before `until` does not count as time to move: the output held its values.

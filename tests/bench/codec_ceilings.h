@@ -101,7 +101,7 @@ inline constexpr std::array kFrameRows{
     Row{"EncodeSrxl", "encode_srxl", 242, 200},
     Row{"DecodeFport2InOneRead", "decode_fport2_read", 147, 150},
     Row{"DecodeFportInOneRead", "decode_fport_read", 168, 172},
-    Row{"DecodeIbus2InOneRead", "decode_ibus2_read", 291, 338},
+    Row{"DecodeIbus2InOneRead", "decode_ibus2_read", 290, 338},
     Row{"DecodeDsmInOneRead", "decode_dsm_read", 143, 142},
     Row{"DecodeExBusInOneRead", "decode_exbus_read", 290, 357},
 };

@@ -27,13 +27,13 @@ struct DaemonRow {
     double most = 0;
 };
 inline constexpr std::array kDaemonRows{
-    DaemonRow{"Ibus18ToSbus", Carries::sbus, 2490},
+    DaemonRow{"Ibus18ToSbus", Carries::sbus, 2460},
     DaemonRow{"Ibus14ToSbus", Carries::sbus_of_14, 2580},
-    DaemonRow{"SbusToIbus18", Carries::ibus_of_sbus, 2490},
+    DaemonRow{"SbusToIbus18", Carries::ibus_of_sbus, 2460},
 };
 /// User instructions a second of the main thread, which looks at the devices five times a second.
 /// Each look asks too what each output waits for and whether an input has frames that do not count.
-inline constexpr double kMostOfMainThread = 29'800;
+inline constexpr double kMostOfMainThread = 29'000;
 /// System calls of the data thread: a wait, a read, a question whether the port still has the frame
 /// before, and a write; and some wake-ups for the figures.
 inline constexpr double kMostCallsAFrame = 4.05;

@@ -47,7 +47,7 @@ TEST_F(RefusedCalls, WaitsInAnotherWayWithoutTheNewestCall) {
 
 TEST_F(RefusedCalls, EndsWithTheReasonIfNoWayToWaitIsLeft) {
     Program& program = run_without({SYS_epoll_pwait2, SYS_epoll_pwait});
-    // What comes on the port is what the thread cannot learn any more.
+    // The thread cannot learn any more that these bytes come.
     Repeater repeater(receiver_, ibus_bytes(sticks_));
     EXPECT_TRUE(eventually([&] {
         repeater.send_if_due();

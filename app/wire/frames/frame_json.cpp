@@ -196,6 +196,10 @@ tl::expected<std::optional<WrittenFrame>, JsonMistake> parse_frame_json(std::str
     }
     written.channels.frame_lost = *frame_lost;
     written.channels.failsafe = *failsafe;
+    if (!*failsafe) {
+        // It comes from no link that could be lost.
+        written.channels.cause = LinkCause::good;
+    }
     written.start = *start;
     return written;
 }

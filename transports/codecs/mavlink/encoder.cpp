@@ -91,8 +91,10 @@ std::uint32_t MavlinkEncoder::needed_channels(const ChannelFrame& /*frame*/) con
 void MavlinkEncoder::fill_radio(const ChannelFrame& frame, Payload& payload) const {
     const auto at = std::chrono::floor<std::chrono::milliseconds>(frame.received);
     put_field(payload, 0, static_cast<std::uint32_t>(at.time_since_epoch().count()));
-    // ArduPilot looks at the failsafe flag only, and would take held values for new ones.
-    const bool failsafe = frame.failsafe || frame.held;
+    // ArduPilot looks at the failsafe flag only, and would take held values for new ones. The link
+    // of a frame that is only marked is good.
+    const bool held = frame.frame_lost && frame.cause != LinkCause::good;
+    const bool failsafe = frame.failsafe || held;
     put_field<std::uint16_t>(payload, kRadioFlagsAt,
                              static_cast<std::uint16_t>((failsafe ? kRadioFailsafe : 0) |
                                                         (frame.frame_lost ? kRadioOutdated : 0)));

@@ -37,6 +37,9 @@ constexpr Duration kPatience = std::chrono::seconds(10);
 
 class OpenEpoch : public ::testing::Test {
   protected:
+    /// A child of fork must not inherit the lock of a thread that still closes a file.
+    void TearDown() override { EXPECT_TRUE(EpochFile::wait_until_closed(kPatience)); }
+
     static std::string text_of(std::uint64_t number) {
         return "tribus epoch 1\nnext " + std::to_string(number) + "\n";
     }

@@ -96,8 +96,8 @@ class AutopilotBench final : public StationObserver {
 
     Duration timeout_;
     std::unique_ptr<Engine> engine_;
+    std::vector<Message> sent_;  ///< before `loop_`, which writes at once
     VirtualLoop loop_;
-    std::vector<Message> sent_;
 };
 
 constexpr MavlinkEncoder::Settings kOverrides{

@@ -48,6 +48,38 @@ TEST(ReloadOfAnOutput, leaves_the_recovery_that_is_due_after_a_forced_failsafe) 
     EXPECT_FALSE(bench.said(at(1710ms)).failsafe) << "500 ms after it was let go";
 }
 
+/// At 10 us/s, where the change from 1000 to 2000 us would take 100 s. Returns the channel 100 ms
+/// after the reload.
+int after_a_reload_with(std::optional<double> us_per_second) {
+    const auto output = [](std::optional<double> rate) {
+        OutputSettings settings = sbus_output({0, 1});
+        settings.selection.changeover_us_per_second = rate;
+        return settings;
+    };
+    Bench bench(list(ibus_input(), ibus_input()), list(output(10)));
+    for (Duration when = 1ms; when < 2s; when += 7ms) {
+        if (when < 1s) {
+            bench.ibus(0, at(when), us(1000));
+        }
+        bench.ibus(1, at(when), us(2000));
+    }
+    EXPECT_LE(bench.said(at(2s)).raw[0], raw_of(1010));
+    Engine next(list(ibus_input(), ibus_input()), list(output(us_per_second)));
+    reload(bench, next, 2s);
+    bench.ibus_run(1, at(2001ms), at(2100ms), us(2000));
+    return bench.said(at(2100ms)).raw[0];
+}
+
+TEST(ReloadOfAnOutput, gives_a_changeover_that_is_under_way_its_new_rate) {
+    const int at_1000_us_per_second = after_a_reload_with(1000);
+    EXPECT_GT(at_1000_us_per_second, raw_of(1090));
+    EXPECT_LT(at_1000_us_per_second, raw_of(1115));
+}
+
+TEST(ReloadOfAnOutput, ends_a_changeover_that_the_configuration_has_no_more) {
+    EXPECT_EQ(after_a_reload_with(std::nullopt), raw_of(2000));
+}
+
 TEST(ReloadOfAnOutput, takes_values_that_are_held_through_the_new_map) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     bench.ibus_run(0, at(1ms), at(500ms), us(1100));

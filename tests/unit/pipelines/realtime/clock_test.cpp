@@ -71,7 +71,7 @@ TEST(Clock, counts_the_time_in_which_the_machine_was_suspended) {
     EXPECT_TRUE(*counts);
 }
 
-/// What another program tells of the kernel's word, as timedatectl does.
+/// Asks another program what the kernel says, as timedatectl does.
 TEST(WallClockOfTheMachine, IsSetWhileTheKernelKnowsHowFarItIsOff) {
     follow_wall_clock();
     timex asked{};

@@ -30,12 +30,8 @@ class PortWaitsTest : public testing::Test {
     PortWaitsTest() { EXPECT_TRUE(waits_.prepare(2)); }
     std::vector<std::size_t> ready(PortWaits& waits) {
         std::array<std::uint32_t, PortWaits::kMostReady> ports{};
-        const PortWaits::Wake wake = waits.wait(0ms, ports);
-        std::vector<std::size_t> indices;
-        for (std::size_t i = 0; i < wake.ready; ++i) {
-            indices.push_back(ports[i]);
-        }
-        return indices;
+        const std::size_t count = waits.wait(0ms, ports);
+        return {ports.begin(), ports.begin() + static_cast<std::ptrdiff_t>(count)};
     }
 
     using Ports = std::vector<std::size_t>;

@@ -87,6 +87,7 @@ TEST(MavlinkEncoder, WritesTheVectorOfManualControl) {
 TEST(MavlinkEncoder, MarksALostFrameAsOutdated) {
     ChannelFrame frame = frame_of_microseconds({1500});
     frame.frame_lost = true;
+    frame.cause = LinkCause::good;
     EXPECT_EQ(first_message({.channels = 1}, frame).at(10 + 4), 2);
     EXPECT_TRUE(MavlinkEncoder({}).marks_frame_lost());
     EXPECT_FALSE(MavlinkEncoder({.message = MavlinkChannels::manual_control}).marks_frame_lost());
@@ -96,7 +97,7 @@ TEST(MavlinkEncoder, MarksHeldValuesAsFailsafeToo) {
     // ArduPilot's AP_RCProtocol_MAVLinkRadio looks at the failsafe flag only.
     ChannelFrame frame = frame_of_microseconds({1500});
     frame.frame_lost = true;
-    frame.held = true;
+    frame.cause = LinkCause::wire_silent;
     EXPECT_EQ(first_message({.channels = 1}, frame).at(10 + 4), 3);
 }
 

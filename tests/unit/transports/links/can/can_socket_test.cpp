@@ -237,7 +237,7 @@ TEST_F(SocketOfName, FollowsItsInterfaceDownAndUp) {
     });
 }
 
-/// What it was not told may be that the name is another's.
+/// The lost message may have said that another interface has the name now.
 TEST_F(SocketOfName, IsLostIfTheKernelHadNoRoomToTellEverything) {
     EXPECT_IN_A_NETWORK_OF_ITS_OWN([this] {
         NameInANetworkOfItsOwn name;
