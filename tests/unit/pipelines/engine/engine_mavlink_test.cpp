@@ -100,7 +100,7 @@ class AutopilotBench final : public StationObserver {
     VirtualLoop loop_;
 };
 
-constexpr MavlinkEncoder::Settings kOverrides{
+const MavlinkEncoder::Settings kOverrides{
     .message = MavlinkChannels::rc_channels_override, .channels = 4, .releases = true};
 
 std::size_t overrides_to(const std::vector<Message>& messages, std::uint8_t target) {
