@@ -59,9 +59,12 @@ Bytes hit_by(Hit hit, Bytes bytes, Random& random) {
         case Hit::lost:
             bytes.erase(at);
             break;
-        case Hit::added:
-            bytes.insert(bytes.begin() + random.below(17), random.byte());
+        case Hit::added: {
+            // The byte first: compilers differ in which argument they compute first.
+            const std::uint8_t byte = random.byte();
+            bytes.insert(bytes.begin() + random.below(17), byte);
             break;
+        }
         case Hit::cut:
             bytes.erase(at, bytes.end());
             break;
