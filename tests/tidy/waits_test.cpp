@@ -1,0 +1,82 @@
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+/// Tests of logic run in virtual time, so a busy machine cannot fail them. What needs a pty, a
+/// thread or a clock of the machine is tested in tests/loopback.
+namespace tribus::test::waits_test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What makes a test wait for the machine, and how it looks in a source.
+const std::map<std::string, std::regex>& machine() {
+    static const std::map<std::string, std::regex> kinds{
+        {"sleep", std::regex("sleep_(for|until)|\\bu?sleep\\(|nanosleep|\\bsleep [0-9.$]|"
+                             "seen_within|::poll\\((?!.*, 0\\))|epoll_p?wait|wait_for_events")},
+        {"clock",
+         std::regex("(monotonic|awake_time|wall_time)_now|(steady|system|resolution)_clock|"
+                    "clock_gettime|gettimeofday|\\btime\\((nullptr|NULL)\\)|timerfd_")},
+        {"pty", std::regex("posix_openpt|openpty|forkpty|ptmx|far_end|FarEnd|--to pty")},
+        {"thread", std::regex("std::(j?thread|async)|this_thread|condition_variable|"
+                              "pthread_create|\\bstart_thread\\(|\\b(DataThread|GpioThread|"
+                              "LinkWorker)\\b|PwmLink::open|Appliance::start|"
+                              "FlightRecorder::make|EpochFile::of")},
+    };
+    return kinds;
+}
+
+/// Threads that keep no time: what two of them share, and the stack of one.
+const std::set<std::string> kSubjectIsAThread{
+    "tests/unit/config/language/depth_test.cpp",
+    "tests/unit/pipelines/realtime/capture_ring_test.cpp",
+    "tests/unit/pipelines/realtime/scheduling_test.cpp",
+    "tests/unit/pipelines/realtime/snapshot_test.cpp",
+    "tests/unit/transports/links/start_thread_test.cpp",
+};
+
+/// Kinds by file, each with the first line in which it was found.
+std::map<std::string, std::map<std::string, std::string>> found() {
+    std::map<std::string, std::map<std::string, std::string>> all;
+    const fs::path root = TRIBUS_SOURCE_DIR;
+    for (const char* const folder : {"tests/unit", "tests/property", "tests/sim"}) {
+        for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+            std::ifstream file(entry.path());
+            const std::string name = entry.path().lexically_relative(root).string();
+            const bool source = name.ends_with(".cpp") || name.ends_with(".h");
+            for (std::string line; source && std::getline(file, line);) {
+                for (const auto& [kind, pattern] : machine()) {
+                    if (std::regex_search(line, pattern)) {
+                        all[name].emplace(kind, line);
+                    }
+                }
+            }
+        }
+    }
+    return all;
+}
+
+TEST(Tidy, what_is_no_loopback_test_waits_for_nothing) {
+    for (const auto& [file, kinds] : found()) {
+        for (const auto& [kind, line] : kinds) {
+            EXPECT_TRUE(kind == "thread" && kSubjectIsAThread.contains(file))
+                << file << ": a " << kind << ", which belongs into tests/loopback:\n"
+                << line;
+        }
+    }
+}
+
+TEST(Tidy, what_may_start_a_thread_does) {
+    const auto all = found();
+    for (const std::string& file : kSubjectIsAThread) {
+        EXPECT_TRUE(all.contains(file)) << file;
+    }
+}
+
+}  // namespace
+}  // namespace tribus::test::waits_test
