@@ -76,8 +76,13 @@ std::map<std::string, std::map<std::string, std::string>> found() {
     return all;
 }
 
+const std::map<std::string, std::map<std::string, std::string>>& all_found() {
+    static const auto all = found();
+    return all;
+}
+
 TEST(Tidy, what_is_no_loopback_test_waits_for_nothing) {
-    for (const auto& [file, kinds] : found()) {
+    for (const auto& [file, kinds] : all_found()) {
         for (const auto& [kind, line] : kinds) {
             EXPECT_TRUE(kind == "thread" && kSubjectIsAThread.contains(file))
                 << file << ": a " << kind << ", which belongs into tests/loopback:\n"
@@ -87,9 +92,8 @@ TEST(Tidy, what_is_no_loopback_test_waits_for_nothing) {
 }
 
 TEST(Tidy, what_may_start_a_thread_does) {
-    const auto all = found();
     for (const std::string& file : kSubjectIsAThread) {
-        EXPECT_TRUE(all.contains(file)) << file;
+        EXPECT_TRUE(all_found().contains(file)) << file;
     }
 }
 
