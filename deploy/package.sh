@@ -19,7 +19,7 @@ Two packages of one commit are the same bytes; SOURCE_DATE_EPOCH is by default t
 DEBFULLNAME and DEBEMAIL, who answers for the package, its author's name and address."
 
 # Those that need no tools but their libraries.
-test_suites="unit_tests property_tests sim_tests loopback_tests"
+test_suites="unit_tests property_tests sim_tests machine_tests loopback_tests"
 # How long a guest may take for the demo, or for one of them: 12 minutes on an idle host, more than
 # 30 beside other work. Only a guest that hangs takes longer than this.
 guest_seconds=7200
@@ -222,7 +222,7 @@ if [ $with_tests = ON ] && [ $with_trial = ON ]; then
         echo "Tests: $suite" >&2
         board_clock=""
         # These have parts that run in real time, for which an emulator is too slow.
-        case $suite in unit_tests | loopback_tests) board_clock=--counted-clock ;; esac
+        case $suite in machine_tests | loopback_tests) board_clock=--counted-clock ;; esac
         left_out="InitTextOfEverySet.*"
         # A board runs neither suites that only compute for longer than others of the same kind (the
         # second tier) nor those that read texts, which are the same on every processor: there they

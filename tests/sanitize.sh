@@ -21,7 +21,7 @@ case ${1:-} in
     addresses)
         preset=sanitize
         compiler="clang-14 libclang-rt-14-dev llvm-14"
-        suites="unit_tests property_tests capture_tests sim_tests loopback_tests"
+        suites="unit_tests property_tests capture_tests sim_tests machine_tests loopback_tests"
         ;;
     *) usage ;;
 esac

@@ -5,11 +5,10 @@
 # Suites that compute for a second and more, the longest first. They start first: at the end
 # processors would wait for them.
 set(costly Frames/CodecCounts Usual/RecordedLineAtAPort Usual/LineJudgeAtAPort NeverStale Engine/ProductCounts Formats/CanChainTest
-    SbusBesidePlain Tshark Sigrok InitText ParityMarksTest LoopArrivals EngineHandset Both/RecordedLine LineJudge Tidy
-    IbusBesidePlain OpenEpoch Seeds/Canmatrix)
-# Suites that wait for real time. All others compute: they leave the processors to whoever waits, and
-# some more of them than there are processors run at a time, so that tests that wait run beside them.
-set(waiting "StateLog.*|SensorBusLogAtAWire|LivePageExamples")
+    SbusBesidePlain Tshark Sigrok InitText ParityMarksTest EngineHandset Both/RecordedLine LineJudge Tidy
+    IbusBesidePlain Seeds/Canmatrix)
+# Suites compute: they leave the processors to tests that wait for real time, and some more of them than
+# there are processors run at a time, so that tests that wait run beside them.
 math(EXPR at_a_time "${processors} + 2")
 set(computed 0)
 set(leaving_processors chrt --idle 0)
@@ -80,12 +79,7 @@ function(add_suites name program seconds long)
             if(suite MATCHES "^(${counting})$")
                 continue()
             endif()
-            if(suite MATCHES "^(${waiting})$")
-                add_suite_or_test("${name}.${suite}" "${suite}.*" ${seconds} "${program}")
-                set_tests_properties("${name}.${suite}" PROPERTIES COST 100)
-            else()
-                add_computing_suite("${name}.${suite}" "${suite}" "${program}" ${seconds})
-            endif()
+            add_computing_suite("${name}.${suite}" "${suite}" "${program}" ${seconds})
             list(APPEND computing "${name}.${suite}")
             label_long("${name}.${suite}" "${suite}" "${long}")
         elseif(suite MATCHES "^(${counting})$" AND line MATCHES "^ +(.+)$")

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -44,7 +43,7 @@ class DraftOnTrial : public FirstChannel {
         return {std::istreambuf_iterator<char>(in), {}};
     }
     nlohmann::json said_by(std::string_view request) const {
-        const auto answer = ask_daemon(socket(), request, std::chrono::seconds(15));
+        const auto answer = ask_daemon(socket(), request, kPatience);
         return answer ? *answer : nlohmann::json{{"error", answer.error()}};
     }
 

@@ -78,8 +78,7 @@ to = "module"
     }
     /// What the status says of the output.
     nlohmann::json told() const {
-        const auto status =
-            ask_daemon((folder() / "control").string(), "status", std::chrono::seconds(5));
+        const auto status = ask_daemon((folder() / "control").string(), "status", kPatience);
         return status ? status->at("outputs").at(0) : nlohmann::json::object();
     }
     std::vector<PlainCrsfFrame> of_type(std::uint8_t type) const {

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <array>
-#include <chrono>
 #include <csignal>
 #include <string>
 #include <string_view>
@@ -139,7 +138,7 @@ TEST_P(LogOfAServer, LetsTheDaemonAnswer) {
     lose_reader();
     ASSERT_TRUE(servos_see(true, 20));
     ASSERT_TRUE(servos_see(false, kFramesOfTwoLooks));
-    EXPECT_TRUE(ask_daemon(folder() / "control", "status", std::chrono::seconds(5)));
+    EXPECT_TRUE(ask_daemon(folder() / "control", "status", kPatience));
     EXPECT_TRUE(program.runs());
 }
 

@@ -1,6 +1,5 @@
 #include <sys/stat.h>
 
-#include <chrono>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -25,7 +24,7 @@ class LookSocket : public FirstChannel {
         return program;
     }
     std::string error_of(std::string_view request) const {
-        const auto answer = ask_daemon(socket(), request, std::chrono::seconds(15));
+        const auto answer = ask_daemon(socket(), request, kPatience);
         return answer ? answer->dump() : answer.error();
     }
 };
@@ -38,7 +37,7 @@ TEST_F(LookSocket, TellsAllThatTheControlSocketTells) {
                                         {"recordings", "recordings"},
                                         {"histograms", "histograms"},
                                         {"watch 1s", "status"}}) {
-        const auto told = ask_daemon(socket(), request, std::chrono::seconds(15));
+        const auto told = ask_daemon(socket(), request, kPatience);
         ASSERT_TRUE(told) << request << ": " << told.error();
         EXPECT_EQ((*told)["type"], type);
     }

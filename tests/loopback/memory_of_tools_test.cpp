@@ -24,6 +24,9 @@ long read_by(const Program& program) {
     return bytes;
 }
 
+/// They compute for seconds, and on a busy machine for minutes.
+constexpr std::chrono::seconds kLong{250};
+
 class MemoryOfTools : public Loopback {
   protected:
     void SetUp() override {
@@ -36,11 +39,13 @@ class MemoryOfTools : public Loopback {
                         const std::string& input = "") {
         Program& program = start(arguments, {.input = input});
         bool enough = false;
-        ASSERT_TRUE(eventually([&] {
-            enough = enough || read_by(program) > kEnoughBytes;
-            return !program.runs() || enough;
-        })) << "neither ended nor read enough: "
-            << read_by(program);
+        ASSERT_TRUE(eventually(
+            [&] {
+                enough = enough || read_by(program) > kEnoughBytes;
+                return !program.runs() || enough;
+            },
+            kLong))
+            << "neither ended nor read enough: " << read_by(program);
         if (enough) {
             program.signal(SIGKILL);
             program.end();

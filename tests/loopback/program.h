@@ -14,7 +14,7 @@ namespace tribus::test {
 
 /// Time that a test waits for an event before it fails. It is far longer than any event takes on a
 /// busy machine.
-inline constexpr std::chrono::seconds kPatience{15};
+inline constexpr std::chrono::seconds kPatience{60};
 
 /// Calls `done` every few milliseconds until it returns true. Returns false when patience is over.
 template <class Done>

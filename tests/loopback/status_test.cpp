@@ -273,7 +273,7 @@ class DraftCommand : public StatusCommand {
 TEST_F(DraftCommand, RunsUntilItsTimeIsOver) {
     Program& program = begin_with_draft();
     const auto before = summary();
-    EXPECT_EQ(reload({"--trial", "2s", "--draft", draft_}), 0) << said_;
+    EXPECT_EQ(reload({"--trial", "5s", "--draft", draft_}), 0) << said_;
     expect_first_channel(1900);
     const auto trial = summary();
     EXPECT_EQ(trial["trial"], 1);

@@ -77,7 +77,7 @@ TEST_F(Trial, ThatNobodyConfirmsGoesBackByItself) {
 
 TEST_F(Trial, ThatIsConfirmedStays) {
     Program& program = begin();
-    EXPECT_EQ(reload({"--trial", "3s"}), 0);
+    EXPECT_EQ(reload({"--trial", "1000s"}), 0);
     EXPECT_EQ(reload({"--confirm"}), 0);
     EXPECT_EQ(said_, "tribus: confirmed\n");
     EXPECT_EQ(reload({"--back"}), 1);
@@ -136,7 +136,7 @@ TEST_F(Trial, RunsADraftAndGoesBackToTheFile) {
     Program& program = run(write_config(main_job(kPatientInput)));
     expect_first_channel(1100);
     const auto ask = [&](std::string_view request) {
-        const auto answer = ask_daemon(socket(), request, std::chrono::seconds(15));
+        const auto answer = ask_daemon(socket(), request, kPatience);
         EXPECT_TRUE(answer) << answer.error();
         return answer.value_or(nlohmann::json::object());
     };
@@ -161,14 +161,14 @@ TEST_F(Trial, ADraftNeedsTheLengthOfATrialAndItsMistakesNameTheRealFile) {
     Program& program = run(config);
     expect_first_channel(1100);
     for (const std::string_view request : {"reload draft", "reload draft 0s", "reload draft x"}) {
-        const auto refused = ask_daemon(socket(), request, std::chrono::seconds(15));
+        const auto refused = ask_daemon(socket(), request, kPatience);
         ASSERT_FALSE(refused) << request;
         EXPECT_NE(refused.error().find("needs it"), std::string::npos) << refused.error();
     }
-    const auto folder = ask_daemon(socket(), "draft", std::chrono::seconds(15));
+    const auto folder = ask_daemon(socket(), "draft", kPatience);
     ASSERT_TRUE(folder) << folder.error();
     std::ofstream((*folder)["file"].get<std::string>()) << "[input.a]\nprotocol = \"x\"\n";
-    const auto outcome = ask_daemon(socket(), "reload draft 10s", std::chrono::seconds(15));
+    const auto outcome = ask_daemon(socket(), "reload draft 10s", kPatience);
     ASSERT_TRUE(outcome) << outcome.error();
     EXPECT_EQ((*outcome)["taken"], false);
     EXPECT_EQ((*outcome)["lines"][1].get<std::string>().find(config + ":2:12: "), 0U) << *outcome;
@@ -179,7 +179,7 @@ TEST_F(Trial, ADraftNeedsTheLengthOfATrialAndItsMistakesNameTheRealFile) {
 TEST_F(Trial, ShowsHowMuchTimeIsLeft) {
     Program& program = begin();
     const auto left = [&] {
-        const auto status = ask_daemon(socket(), "status", std::chrono::seconds(15));
+        const auto status = ask_daemon(socket(), "status", kPatience);
         EXPECT_TRUE(status) << status.error();
         return status ? (*status)["trial_left_us"] : nlohmann::json();
     };
@@ -207,7 +207,7 @@ TEST_F(Trial, IsNotConfirmedBySighup) {
 TEST_F(Trial, IsConfirmedByItsOwnNumberOrByNone) {
     Program& program = begin();
     const auto ask = [&](const std::string& request) {
-        const auto answer = ask_daemon(socket(), request, std::chrono::seconds(15));
+        const auto answer = ask_daemon(socket(), request, kPatience);
         return answer ? answer->value("trial", nlohmann::json()).dump() : answer.error();
     };
     EXPECT_EQ(ask("reload 1000s"), "1");
@@ -264,7 +264,7 @@ TEST_F(TrialInATerminal, EnterKeepsNoOtherTrial) {
     terminal.send(Bytes{'\n'});
     EXPECT_EQ(asked.end(), 1);
     EXPECT_NE(asked.errors().find("that trial is over"), std::string::npos) << asked.errors();
-    const auto status = ask_daemon(socket(), "status", std::chrono::seconds(15));
+    const auto status = ask_daemon(socket(), "status", kPatience);
     ASSERT_TRUE(status) << status.error();
     EXPECT_TRUE((*status)["trial_left_us"].is_number()) << "the other trial was ended";
     expect_clean_end(program);

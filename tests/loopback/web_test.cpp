@@ -166,12 +166,12 @@ TEST_F(Web, TheFileGoesBackWithTheTrialAlsoIfThePageThatKeptItIsGone) {
     const std::string after = reversed();
     const std::string tag = browser.get(api("configuration")).header("ETag");
     const auto trial =
-        post(browser, "draft", {{"toml", after}, {"seconds", 1}}, {{"If-Match", tag}})
+        post(browser, "draft", {{"toml", after}, {"seconds", 4}}, {{"If-Match", tag}})
             .json()["trial"];
     daemon.signal(SIGSTOP);
     browser.post_and_leave(api("confirm"), {{"trial", trial}});
     EXPECT_TRUE(eventually([&] { return content() == after; }));
-    std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+    std::this_thread::sleep_for(std::chrono::milliseconds(4200));
     daemon.signal(SIGCONT);
     EXPECT_TRUE(eventually([&] { return content() == before; }));
     expect_first_channel(1100);

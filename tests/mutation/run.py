@@ -25,7 +25,7 @@ LIST = ROOT / "tests/mutation/mutations.toml"
 CAUGHT = ROOT / "tests/mutation/caught.md"
 
 # The fastest suite first.
-SUITES = ["unit", "property", "capture", "sim", "loopback"]
+SUITES = ["unit", "property", "capture", "sim", "machine", "loopback"]
 # Tests that read sources and do not run the program.
 NO_TESTS_OF_THE_PROGRAM = "Tidy.*:MutationList.*"
 NO_TEST = "no test"

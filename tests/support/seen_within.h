@@ -11,7 +11,7 @@ namespace tribus::test {
 /// Asks each 7 ms, as often as a receiver sends, until `condition` is true. False if it is not true
 /// within `patience`, which is longer than anything takes on a busy machine.
 template <class Condition>
-[[nodiscard]] bool seen_within(Condition condition, Duration patience = std::chrono::seconds(10)) {
+[[nodiscard]] bool seen_within(Condition condition, Duration patience = std::chrono::seconds(30)) {
     const Instant end = monotonic_now() + patience;
     while (!condition()) {
         if (monotonic_now() > end) {

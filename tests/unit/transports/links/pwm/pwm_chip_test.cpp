@@ -1,25 +1,13 @@
 #include "transports/links/pwm/pwm_chip.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-
-#include <array>
-#include <atomic>
 #include <chrono>
-#include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <optional>
 #include <string>
-#include <thread>
 
 #include <gtest/gtest.h>
 
 #include "app/pwm/pwm.h"
-#include "pipelines/realtime/clock.h"
-#include "tests/support/temporary_folder.h"
-#include "transports/links/pwm/pwm_link.h"
-#include "transports/links/unique_fd.h"
+#include "tests/support/pwm_folder.h"
 
 /// PWM chips on a folder with the files of /sys/class/pwm. What the kernel does with them is shown
 /// in the laboratory.
@@ -28,44 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
-
-class PwmFolder {
-  public:
-    /// A chip whose outputs are there already.
-    void add(const std::string& name, const std::string& driver, std::size_t outputs) {
-        const fs::path chip = chips() / name;
-        fs::create_directories(chip / "device");
-        fs::create_symlink("../../../bus/drivers/" + driver, chip / "device" / "driver");
-        write(chip / "npwm", std::to_string(outputs));
-        write(chip / "export", "");
-        write(chip / "unexport", "");
-        for (std::size_t output = 0; output < outputs; ++output) {
-            const fs::path folder = chip / ("pwm" + std::to_string(output));
-            fs::create_directories(folder);
-            for (const char* file : {"period", "duty_cycle", "enable"}) {
-                write(folder / file, "");
-            }
-        }
-    }
-    /// The root of all files.
-    const fs::path& root() const { return folder_.path(); }
-    fs::path chips() const { return root() / "sys/class/pwm"; }
-    /// Takes away and returns the text that was written last.
-    std::string take(const std::string& chip, std::size_t output, const std::string& file) const {
-        const fs::path path = chips() / chip / ("pwm" + std::to_string(output)) / file;
-        std::ifstream stream(path);
-        std::string text;
-        std::getline(stream, text);
-        write(path, "");
-        return text;
-    }
-    static void write(const fs::path& path, const std::string& text) {
-        std::ofstream(path) << text;
-    }
-
-  private:
-    TemporaryFolder folder_;
-};
 
 TEST(PwmChip, IsFoundByItsNameOrByTheNameOfItsDriver) {
     PwmFolder folder;
@@ -165,123 +115,6 @@ TEST(PwmChip, SaysWhichFileTheKernelRefused) {
     PwmFolder::write(folder.chips() / "pwmchip0/pwm0/duty_cycle", "");
     EXPECT_EQ(outputs.set(0, 1600000), "") << "it is tried again";
     EXPECT_EQ(folder.take("pwmchip0", 0, "duty_cycle"), "1600000");
-}
-
-/// Waits, at most ten seconds, for the link's own thread.
-bool comes(const PwmFolder& folder, std::size_t output, const std::string& file,
-           const std::string& wanted) {
-    for (int i = 0; i < 1000; ++i) {
-        if (folder.take("pwmchip0", output, file) == wanted) {
-            return true;
-        }
-        std::this_thread::sleep_for(10ms);
-    }
-    return false;
-}
-
-TEST(PwmLink, HandsTheNewestPulsesOnAndSwitchesOffAtItsEnd) {
-    PwmFolder folder;
-    folder.add("pwmchip0", "x", 4);
-    auto link = PwmLink::open("pwmchip0", 10ms, {.now = monotonic_now}, folder.root());
-    ASSERT_TRUE(link) << link.error();
-    // Output 1: 1,500,000 ns; output 3: 1,000,000 ns.
-    const std::array<std::uint8_t, 10> frame{1, 0x60, 0xE3, 0x16, 0x00, 3, 0x40, 0x42, 0x0F, 0x00};
-    EXPECT_EQ((*link)->write(frame), WriteStatus::written);
-    EXPECT_TRUE(comes(folder, 1, "duty_cycle", "1500000"));
-    EXPECT_TRUE(comes(folder, 3, "duty_cycle", "1000000"));
-    EXPECT_TRUE(comes(folder, 3, "enable", "1"));
-    const std::array<std::uint8_t, 5> beyond{4, 0x60, 0xE3, 0x16, 0x00};
-    EXPECT_EQ((*link)->write(beyond), WriteStatus::unavailable);
-    link->reset();
-    EXPECT_EQ(folder.take("pwmchip0", 1, "enable"), "0");
-    EXPECT_EQ(folder.take("pwmchip0", 3, "enable"), "0");
-    EXPECT_EQ(folder.take("pwmchip0", 0, "enable"), "");
-}
-
-/// Output 0: 1,500,000 ns.
-constexpr std::array<std::uint8_t, 5> kCentre{0, 0x60, 0xE3, 0x16, 0x00};
-
-/// Waits, at most ten seconds, until the link says that of a frame.
-bool says(PwmLink& link, WriteStatus status) {
-    for (int i = 0; i < 1000; ++i) {
-        if (link.write(kCentre) == status) {
-            return true;
-        }
-        std::this_thread::sleep_for(10ms);
-    }
-    return false;
-}
-
-TEST(PwmLink, SentNothingWhileTheBusOfTheChipHangs) {
-    PwmFolder folder;
-    folder.add("pwmchip0", "x", 2);
-    // A FIFO keeps its writer until somebody reads, as a bus that hangs keeps one.
-    const fs::path duty = folder.chips() / "pwmchip0/pwm0/duty_cycle";
-    fs::remove(duty);
-    ASSERT_EQ(::mkfifo(duty.c_str(), 0600), 0);
-    auto link = PwmLink::open("pwmchip0", 20ms, {.now = monotonic_now}, folder.root());
-    ASSERT_TRUE(link) << link.error();
-    EXPECT_TRUE(says(**link, WriteStatus::unavailable));
-    const UniqueFd reader(::open(duty.c_str(), O_RDONLY | O_NONBLOCK));
-    EXPECT_TRUE(says(**link, WriteStatus::written));
-}
-
-/// The thread was stopped between a request and its work: as after SIGSTOP and SIGCONT.
-TEST(PwmLink, HandsNoPulseOnThatIsOlderThanItsPeriodButSwitchesOff) {
-    PwmFolder folder;
-    folder.add("pwmchip0", "x", 2);
-    static std::atomic<Duration> elapsed;
-    elapsed = 5s;
-    auto link = PwmLink::open("pwmchip0", 20ms, {.now = [] { return Instant(elapsed.load()); }},
-                              folder.root());
-    ASSERT_TRUE(link) << link.error();
-    const auto write = [&](std::span<const std::uint8_t> frame, Duration made) {
-        return (*link)->write_asked(frame, {.made = Instant(made), .valid_for = 20ms});
-    };
-    EXPECT_EQ(write(kCentre, 5s), WriteStatus::written);
-    EXPECT_TRUE(comes(folder, 0, "duty_cycle", "1500000"));
-
-    const std::array<std::uint8_t, 5> high{0, 0x80, 0x84, 0x1E, 0x00};  // 2,000,000 ns
-    elapsed = 10s;
-    write(high, 5s);
-    WriteStatus told = WriteStatus::written;
-    for (int i = 0; i < 1000 && told == WriteStatus::written; ++i) {
-        std::this_thread::sleep_for(10ms);
-        told = write(high, 5s);
-    }
-    EXPECT_EQ(told, WriteStatus::busy) << "a counted drop";
-    EXPECT_EQ(folder.take("pwmchip0", 0, "duty_cycle"), "") << "nothing is written";
-
-    const std::array<std::uint8_t, 5> off{0, 0, 0, 0, 0};
-    write(off, 5s);
-    EXPECT_TRUE(comes(folder, 0, "enable", "0"));
-    write(high, 10s);
-    EXPECT_TRUE(comes(folder, 0, "duty_cycle", "2000000"));
-}
-
-TEST(PwmLink, IsLostWhenTheKernelShowsTheChipNoMore) {
-    PwmFolder folder;
-    folder.add("pwmchip0", "x", 2);
-    auto link = PwmLink::open("pwmchip0", 20ms, {.now = monotonic_now}, folder.root());
-    ASSERT_TRUE(link) << link.error();
-    fs::remove(folder.chips() / "pwmchip0/pwm0/duty_cycle");
-    EXPECT_TRUE(says(**link, WriteStatus::unavailable)) << "one file is refused";
-    fs::remove_all(folder.chips() / "pwmchip0");
-    EXPECT_TRUE(says(**link, WriteStatus::lost));
-}
-
-TEST(PwmLink, IsLostWhenItsDeviceWasRemovedThoughAnotherOneIsThereNow) {
-    PwmFolder folder;
-    folder.add("pwmchip0", "x", 2);
-    fs::create_directory(folder.root() / "dev");
-    const fs::path device = folder.root() / "dev/pwmchip0";
-    PwmFolder::write(device, "");
-    auto link = PwmLink::open("pwmchip0", 20ms, {.now = monotonic_now}, folder.root());
-    ASSERT_TRUE(link) << link.error();
-    EXPECT_TRUE(says(**link, WriteStatus::unavailable)) << "it takes no pulses";
-    fs::remove(device);
-    PwmFolder::write(device, "");
-    EXPECT_TRUE(says(**link, WriteStatus::lost));
 }
 
 TEST(PwmReport, ListsChipsAndTheOutputsInUse) {

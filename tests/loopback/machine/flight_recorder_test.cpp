@@ -1,7 +1,6 @@
 #include "app/recorder/flight_recorder.h"
 
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -14,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "config/load.h"
+#include "tests/support/seen_within.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tribus::test::flight_recorder_test {
@@ -59,11 +59,11 @@ class FlightRecorderOf : public testing::Test {
     /// Requests a recording and returns the answer.
     std::string ask() {
         std::string answer = recorder_->answer({}, kNow, kWallNow);
-        for (int i = 0; i < 1000 && answer.find("\"writing\"") != std::string::npos; ++i) {
-            ::usleep(10'000);
-            const std::vector<std::string> number{"1"};
+        const std::vector<std::string> number{"1"};
+        EXPECT_TRUE(seen_within([&] {
             answer = recorder_->answer(number, kNow, kWallNow);
-        }
+            return answer.find("\"writing\"") == std::string::npos;
+        }));
         return answer;
     }
 

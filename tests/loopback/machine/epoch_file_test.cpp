@@ -17,6 +17,7 @@
 #include <gtest/gtest.h>
 
 #include "pipelines/realtime/clock.h"
+#include "tests/support/seen_within.h"
 #include "tests/support/temporary_folder.h"
 #include "transports/codecs/authenticated/broadcast.h"
 
@@ -33,7 +34,7 @@ constexpr NumberBlocks kBlocks{.block = 100, .ahead = 50};
 constexpr std::uint64_t kOfReceiver = 2'000'000;
 constexpr std::uint64_t kOfSender = 4'294'967'296;
 
-constexpr Duration kPatience = std::chrono::seconds(10);
+constexpr Duration kPatience = std::chrono::seconds(30);
 
 class OpenEpoch : public ::testing::Test {
   protected:
@@ -53,13 +54,8 @@ class OpenEpoch : public ::testing::Test {
         folder_.write("boat.epoch", content);
         return error_of(*file());
     }
-    /// Waits for the thread of the file: at most ten seconds.
-    static bool comes(const auto& condition) {
-        for (int i = 0; i < 10'000 && !condition(); ++i) {
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        }
-        return condition();
-    }
+    /// Waits for the thread of the file.
+    static bool comes(const auto& condition) { return seen_within(condition, kPatience); }
 
     TemporaryFolder folder_;
 };

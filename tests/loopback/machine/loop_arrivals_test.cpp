@@ -17,6 +17,7 @@
 #include "pipelines/realtime/clock.h"
 #include "pipelines/realtime/loop.h"
 #include "tests/support/ibus_frames.h"
+#include "tests/support/seen_within.h"
 
 namespace tribus::test::loop_arrivals_test {
 namespace {
@@ -100,27 +101,14 @@ class LoopArrivals : public testing::Test {
     void start() {
         thread_ = std::thread([this] { loop_->run(); });
     }
-    /// Waits until it holds, but not for ever.
-    template <class Condition>
-    static bool comes_true(Condition condition, Duration patience = 5s) {
-        for (const Instant end = monotonic_now() + patience; monotonic_now() < end;) {
-            if (condition()) {
-                return true;
-            }
-            std::this_thread::sleep_for(1ms);
-        }
-        return false;
-    }
-
-    /// Sends a frame each 10 ms, and looks at the line if `looks`, until the output is forced into
+    /// Sends a frame each 7 ms, and looks at the line if `looks`, until the output is forced into
     /// failsafe or not.
     bool becomes_forced(bool forced, bool looks) {
-        return comes_true([&] {
+        return seen_within([&] {
             pipe_.write(from_hex(kIa6bFrame));
             if (looks) {
                 lines_.set_levels(kNoLineActive, monotonic_now());
             }
-            std::this_thread::sleep_for(10ms);
             return loop_->output_status(0).state.forced == forced &&
                    loop_->output_status(0).at != Instant{};
         });
@@ -141,7 +129,7 @@ TEST_F(LoopArrivals, AreReadToTheLastThoughOneWakeDoesNotTakeAll) {
     }
     pipe_.write(bytes);
     start();
-    EXPECT_TRUE(comes_true([this] { return loop_->input_status(0).counts.frames == kFrames; }))
+    EXPECT_TRUE(seen_within([this] { return loop_->input_status(0).counts.frames == kFrames; }))
         << loop_->input_status(0).counts.frames;
 }
 
@@ -149,7 +137,7 @@ TEST_F(LoopArrivals, WithTheHangUpBehindThemLoseTheLink) {
     pipe_.write(from_hex(kIa6bFrame));
     pipe_.in.reset();
     start();
-    EXPECT_TRUE(comes_true([this] { return loop_->take_lost(0) != nullptr; }));
+    EXPECT_TRUE(seen_within([this] { return loop_->take_lost(0) != nullptr; }));
     EXPECT_EQ(loop_->input_status(0).counts.frames, 1U);
 }
 
@@ -160,7 +148,7 @@ class UnreportedArrivals : public LoopArrivals {
 
 TEST_F(UnreportedArrivals, AreReadOnceASecondAndToldAsAFault) {
     start();
-    EXPECT_TRUE(comes_true([this] {
+    EXPECT_TRUE(seen_within([this] {
         pipe_.write(from_hex(kIa6bFrame));
         return loop_->standing_port().fault == StandingPort::Fault::unheard;
     }));
@@ -171,7 +159,7 @@ TEST_F(UnreportedArrivals, AreReadOnceASecondAndToldAsAFault) {
 
 TEST_F(LoopArrivals, ThatTheKernelReportsAreNoFault) {
     start();
-    EXPECT_FALSE(comes_true(
+    EXPECT_FALSE(seen_within(
         [this] {
             pipe_.write(from_hex(kIa6bFrame));
             return loop_->standing_port().fault != StandingPort::Fault::none;

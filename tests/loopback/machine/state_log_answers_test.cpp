@@ -10,11 +10,11 @@
 
 #include "app/log/state_log.h"
 #include "config/load.h"
+#include "tests/loopback/machine/log_in_memory.h"
 #include "tests/support/far_end.h"
 #include "tests/support/sbus_frames.h"
 #include "tests/support/seen_within.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/app/log/log_in_memory.h"
 #include "tests/unit/transports/codecs/mavlink/mavlink_messages.h"
 
 /// What the log says of an autopilot at a pty that answers. SBUS frames of 1500 us steer it.

@@ -10,11 +10,11 @@
 
 #include "app/log/state_log.h"
 #include "config/load.h"
+#include "tests/loopback/machine/log_in_memory.h"
 #include "tests/support/dbc_maps.h"
 #include "tests/support/far_end.h"
 #include "tests/support/seen_within.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/app/log/log_in_memory.h"
 #include "transports/links/can/can_link.h"
 #include "transports/links/medium.h"
 #include "transports/links/unique_fd.h"

@@ -2,12 +2,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -17,13 +16,12 @@
 #include "config/build/carry_over.h"
 #include "config/load.h"
 #include "pipelines/realtime/data_thread.h"
+#include "tests/support/seen_within.h"
 
 /// Reloads of a running loop whose links always have an event pending on each of their descriptors.
 /// The address sanitizer sees here when the data thread uses what a reload has destroyed.
 namespace tribus::test::loop_reload_test {
 namespace {
-
-using namespace std::chrono_literals;
 
 /// One kind of link, and an input that needs it.
 struct LinkKind {
@@ -62,6 +60,8 @@ struct Pending {
     std::vector<UniqueFd> events{};
 };
 
+std::atomic<int> reads = 0;
+
 class PendingBytes final : public ByteLink {
   public:
     explicit PendingBytes(const LinkKind& kind)
@@ -70,6 +70,7 @@ class PendingBytes final : public ByteLink {
     int second_descriptor() const override { return pending_.of(1); }
     bool wakes_at_each_arrival() const override { return each_arrival_; }
     ReadStatus read(Reception& reception) override {
+        ++reads;
         reception.count = 0;
         reception.full = false;
         reception.goes_on = false;
@@ -89,6 +90,7 @@ class PendingCan final : public CanLink {
     int descriptor() const override { return pending_.of(0); }
     int second_descriptor() const override { return pending_.of(1); }
     ReadStatus read(CanReception& reception, Instant, Duration) override {
+        ++reads;
         reception.count = 0;
         reception.full = false;
         return ReadStatus::nothing;
@@ -183,6 +185,11 @@ bool is_watched(int descriptor) {
     return false;
 }
 
+/// Waits until the loop has read `more` times since there were `before` reads.
+void expect_reads(int more, int before = reads) {
+    EXPECT_TRUE(seen_within([&] { return reads >= before + more; }));
+}
+
 /// Runs `before`, reloads to `after`, destroys what `after` did not take, and runs on.
 void reload(const std::vector<LinkKind>& inputs_before, const std::vector<LinkKind>& inputs_after) {
     auto before = std::make_unique<Set>(inputs_before);
@@ -190,8 +197,9 @@ void reload(const std::vector<LinkKind>& inputs_before, const std::vector<LinkKi
     before->make_loop({});
     DataThread thread(*before->loop, SchedulingSettings{.cpu = {}, .realtime = false});
     ASSERT_TRUE(thread.prepare());
+    const int before_it_runs = reads;
     thread.run();
-    std::this_thread::sleep_for(2ms);
+    expect_reads(1, before_it_runs);
 
     const CarryOver carry = plan_carry_over(before->configuration, after.configuration);
     EXPECT_TRUE(carry.obstacles.empty());
@@ -217,7 +225,10 @@ void reload(const std::vector<LinkKind>& inputs_before, const std::vector<LinkKi
         }
     }
     before.reset();
-    std::this_thread::sleep_for(2ms);
+    // Events of terminals are told once; the others come again and again.
+    if (!std::ranges::all_of(inputs_after, &LinkKind::each_arrival)) {
+        expect_reads(20);
+    }
     after.loop->request_end();
     thread.join();
 }

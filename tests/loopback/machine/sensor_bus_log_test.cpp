@@ -13,10 +13,10 @@
 
 #include "config/load.h"
 #include "pipelines/realtime/clock.h"
+#include "tests/loopback/machine/log_in_memory.h"
 #include "tests/support/far_end.h"
 #include "tests/support/ibus_checksum.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/app/log/log_in_memory.h"
 
 /// What the log says of sensors that a receiver role asks at a pty.
 namespace tribus::test::sensor_bus_log_test {
@@ -50,7 +50,7 @@ class SensorBusLogAtAWire : public testing::Test {
     /// Answers the requests until the log says this at a look at `now`. Returns false if it says
     /// too that the sensor is gone: a busy machine answers too late.
     bool says(const std::string& line, const Answers& answers, Instant now) {
-        const Instant patience = monotonic_now() + 10s;
+        const Instant patience = monotonic_now() + 30s;
         const std::size_t before = said().size();
         const auto has = [&](const std::string& text) {
             return said().find(text, before) != std::string::npos;

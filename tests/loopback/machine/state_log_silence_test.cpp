@@ -1,6 +1,5 @@
 #include <unistd.h>
 
-#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <string>
@@ -10,15 +9,10 @@
 
 #include "app/log/state_log.h"
 #include "config/load.h"
+#include "tests/loopback/machine/log_in_memory.h"
 #include "tests/support/far_end.h"
 #include "tests/support/seen_within.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/app/log/log_in_memory.h"
-#include "transports/links/can/can_medium.h"
-#include "transports/links/evdev/evdev_medium.h"
-#include "transports/links/serial/serial_medium.h"
-#include "transports/links/udp/udp_medium.h"
-#include "transports/registry/registry.h"
 
 /// What the log says of an input at which nothing comes, or nothing of use.
 namespace tribus::test::state_log_silence_test {
@@ -101,39 +95,6 @@ TEST_F(StateLogOfASilentInput, SaysNothingOfWiresWhileItsDeviceIsNotThere) {
     EXPECT_EQ(said_at(Instant(12s)), "");
     EXPECT_NE(said_at(Instant(13s)).find("no byte yet"), std::string::npos)
         << "3 s after it was plugged in";
-}
-
-bool has_inputs(const Medium& medium) {
-    return std::ranges::any_of(protocols(), [&](const Protocol* protocol) {
-        return carries(medium, *protocol) && protocol->goes(SettingScope::input);
-    });
-}
-
-TEST(SilenceAdvice, IsGivenForEveryMediumThatHasInputs) {
-    for (const Medium* medium : media()) {
-        if (has_inputs(*medium)) {
-            EXPECT_NE(medium->silence.nothing, "") << medium->name;
-            EXPECT_NE(medium->silence.no_frame, "") << medium->name;
-            EXPECT_NE(medium->silence.not_good, "") << medium->name;
-        }
-    }
-}
-
-TEST(SilenceAdvice, SpeaksOfWiresOnlyWhereThereAreWires) {
-    for (const Medium* medium : {&kUdpMedium, &kEvdevMedium}) {
-        for (const std::string_view text : {medium->silence.nothing, medium->silence.no_frame}) {
-            EXPECT_EQ(text.find("wire"), std::string_view::npos) << text;
-            EXPECT_EQ(text.find("inverter"), std::string_view::npos) << text;
-            EXPECT_EQ(text.find("ground"), std::string_view::npos) << text;
-        }
-    }
-}
-
-TEST(SilenceAdvice, NamesDoctorWhereDoctorKnowsThePlace) {
-    for (const Medium* medium : media()) {
-        const bool known = has_inputs(*medium) && medium != &kUdpMedium;
-        EXPECT_EQ(!medium->silence.doctor.empty(), known) << medium->name;
-    }
 }
 
 }  // namespace
