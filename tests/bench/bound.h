@@ -11,10 +11,10 @@
 #include <fmt/format.h>
 #include <tl/expected.hpp>
 
-#include "app/bench/latency.h"
-#include "app/bench/relay.h"
-#include "app/bench/subject.h"
 #include "core/time.h"
+#include "tests/bench/latency.h"
+#include "tests/bench/relay.h"
+#include "tests/bench/subject.h"
 
 namespace tribus::test {
 
@@ -37,6 +37,7 @@ using Refused = tl::unexpected<std::string>;
 struct BoundSettings {
     std::string program;     ///< `tribus`
     std::string heap_trap;   ///< preloaded into the program to count allocations
+    std::string line;        ///< the GPIO line for PPM
     std::optional<int> cpu;  ///< processor for relay and product
     int priority = 80;
     Duration length = std::chrono::seconds(15);  ///< of each ratio in each run
@@ -97,6 +98,8 @@ std::vector<Bound> time_bounds();
 std::vector<Bound> scaling_bounds();
 /// Bounds of a sensor bus: ratios and times.
 std::vector<Bound> response_bounds();
+/// Jitter of PPM on a GPIO line.
+std::vector<Bound> ppm_bounds();
 /// Bounds in instructions.
 std::vector<Bound> instruction_bounds();
 /// Bounds of the kernel's timers.

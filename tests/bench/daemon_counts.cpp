@@ -14,9 +14,9 @@
 
 #include <fmt/format.h>
 
-#include "app/bench/latency.h"
-#include "app/bench/tester.h"
 #include "pipelines/realtime/clock.h"
+#include "tests/bench/latency.h"
+#include "tests/bench/tester.h"
 
 namespace tribus::bench {
 namespace {
@@ -136,11 +136,6 @@ tl::expected<DaemonCalls, std::string> calls_for(Subject& subject, int frames) {
 }
 
 }  // namespace
-
-std::string content_of(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
 
 std::uint64_t callgrind_sum(const std::filesystem::path& file) {
     constexpr std::string_view kMark = "\ntotals: ";

@@ -11,8 +11,8 @@
 
 #include <tl/expected.hpp>
 
-#include "app/bench/lane.h"
-#include "app/bench/subject.h"
+#include "tests/bench/lane.h"
+#include "tests/bench/subject.h"
 
 /// The cost of a frame in the whole program, `tribus run` with ptys. The errors say what went
 /// wrong.
@@ -82,8 +82,6 @@ tl::expected<Subject, std::string> started_daemon(std::size_t lanes,
 
 /// The folder of the data thread in /proc. It is found by its name; empty if there is none.
 std::filesystem::path data_thread(pid_t process);
-/// What a file of /proc says.
-std::string content_of(const std::filesystem::path& path);
 /// callgrind writes a file for each thread, which ends with the thread's sum of instructions.
 std::uint64_t callgrind_sum(const std::filesystem::path& file);
 

@@ -3,10 +3,10 @@
 
 #include <fmt/format.h>
 
-#include "app/bench/distribution.h"
-#include "app/bench/tester.h"
+#include "core/distribution.h"
 #include "tests/bench/bound.h"
 #include "tests/bench/response_times.h"
+#include "tests/bench/tester.h"
 
 namespace tribus::test {
 namespace {

@@ -8,11 +8,11 @@
 
 #include <fmt/format.h>
 
-#include "app/bench/distribution.h"
-#include "app/bench/latency.h"
-#include "app/bench/subject.h"
-#include "app/bench/tester.h"
+#include "core/distribution.h"
 #include "tests/bench/bound.h"
+#include "tests/bench/latency.h"
+#include "tests/bench/subject.h"
+#include "tests/bench/tester.h"
 
 namespace tribus::test {
 namespace {

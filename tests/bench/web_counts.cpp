@@ -16,12 +16,12 @@
 
 #include <fmt/format.h>
 
-#include "app/bench/latency.h"
-#include "app/bench/process.h"
-#include "app/bench/tester.h"
 #include "app/web/pairing/pairing.h"
 #include "pipelines/realtime/clock.h"
 #include "tests/bench/daemon_counts.h"
+#include "tests/bench/latency.h"
+#include "tests/bench/process.h"
+#include "tests/bench/tester.h"
 #include "tests/loopback/browser.h"
 
 namespace tribus::bench {

@@ -1,4 +1,4 @@
-#include "app/bench/subject.h"
+#include "tests/bench/subject.h"
 
 #include <sys/mman.h>
 #include <unistd.h>
@@ -10,8 +10,8 @@
 
 #include <fmt/format.h>
 
-#include "app/bench/tester.h"
 #include "pipelines/realtime/clock.h"
+#include "tests/bench/tester.h"
 #include "transports/links/unique_fd.h"
 
 namespace tribus::bench {

@@ -9,10 +9,10 @@
 
 #include <tl/expected.hpp>
 
-#include "app/bench/lane.h"
-#include "app/bench/process.h"
-#include "app/bench/relay.h"
 #include "core/time.h"
+#include "tests/bench/lane.h"
+#include "tests/bench/process.h"
+#include "tests/bench/relay.h"
 
 namespace tribus::bench {
 
