@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "config/language/mistakes.h"
+#include "config/load.h"
 #include "pipelines/realtime/clock.h"
 
 namespace tribus {
@@ -206,6 +208,17 @@ LoopSettings Appliance::loop_settings(LineExchange* lines) {
 tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::start(
     Configuration configuration, MissingDevices missing) {
     return start(build(std::move(configuration)), missing);
+}
+
+tl::expected<std::unique_ptr<Appliance>, std::string> Appliance::start_text(
+    const std::string& text, const std::string& name) {
+    auto configuration = load_configuration(text, name);
+    if (!configuration) {
+        return tl::unexpected(format_mistake(configuration.error().front()));
+    }
+    return start(std::move(*configuration)).map_error([](const auto& errors) {
+        return errors.front();
+    });
 }
 
 tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::start(

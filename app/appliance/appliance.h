@@ -46,6 +46,9 @@ class Appliance {
         std::unique_ptr<Appliance> built, MissingDevices missing = MissingDevices::refuse);
     static tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> start(
         Configuration configuration, MissingDevices missing = MissingDevices::refuse);
+    /// The same for a configuration that this program has written. The error is a sentence.
+    static tl::expected<std::unique_ptr<Appliance>, std::string> start_text(
+        const std::string& text, const std::string& name);
     /// The same after another appliance, whose `recorder` may be there: if the configuration has
     /// one, it goes on. Does not wait for its disk.
     static tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> start(

@@ -1,247 +1,284 @@
 #include "app/bench/measurements.h"
 
+#include <poll.h>
+#include <pthread.h>
+#include <time.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <span>
+#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "app/bench/age.h"
-#include "app/bench/codec_cost.h"
-#include "app/bench/latency.h"
-#include "app/bench/lateness.h"
-#include "app/bench/ports.h"
-#include "app/bench/ppm.h"
-#include "app/bench/subject.h"
-#include "app/bench/table.h"
-#include "app/bench/tester.h"
+#include "app/appliance/appliance.h"
+#include "app/cli/pty.h"
+#include "core/distribution.h"
+#include "pipelines/realtime/clock.h"
+#include "pipelines/realtime/scheduling.h"
+#include "transports/codecs/ibus/ibus.h"
+#include "transports/links/serial/serial_port.h"
 
 namespace tribus::bench {
 namespace {
 
-constexpr std::array<double, 3> kShownPercentiles{50, 90, 99};
+constexpr Duration kFramePeriod = std::chrono::milliseconds(7);
+constexpr Duration kLostAfter = std::chrono::milliseconds(500);  ///< longer than any stall
 
-RelaySettings relay_settings(const BenchSettings& settings, RelaySettings::Waits waits) {
-    return {.waits = waits, .priority = settings.priority, .cpu = std::nullopt};
-}
+/// Frames come out as they went in. Their period is longer than that of the output, so `follow`
+/// waits for the next one and does not repeat the last one.
+constexpr const char* kSameFrames = "protocol = \"ibus\"\nchannels = 18\nperiod = \"5ms\"\n";
+constexpr const char* kGrid = "protocol = \"sbus\"\nschedule = \"grid\"\nperiod = \"7ms\"\n";
 
-ApplianceSettings appliance_settings(const BenchSettings& settings) {
-    ApplianceSettings appliance;
-    appliance.priority = settings.priority;
-    return appliance;
-}
+/// As the loop names its thread.
+constexpr const char* kDataThread = "tribus-data";
 
-/// Adds p50, p90 and p99, judged with the noise between the two measurements of the anchor.
-void add_percentiles(Report& report, std::string_view group, const Distribution& figure,
-                     const Distribution& anchor, const Distribution& anchor_again,
-                     const std::string& peer) {
-    for (const double percent : kShownPercentiles) {
-        const Duration mine = figure.percentile(percent);
-        const Duration its = anchor.percentile(percent);
-        const double noise = noise_allowance(its, anchor_again.percentile(percent));
-        report.add(group, fmt::format("p{:.0f}", percent), mine, its,
-                   reading_of(ratio_of(mine, its), noise, peer));
+/// Each channel depends on the number.
+std::vector<std::uint8_t> numbered_frame(std::uint32_t number) {
+    ChannelFrame channels;
+    for (std::uint32_t channel = 0; channel < kChannelCount; ++channel) {
+        const std::uint32_t steps = (7 * number + 61 * channel) % 1000;
+        channels.set(channel, Pulse::from_microseconds(1000 + static_cast<int>(steps)));
     }
+    std::array<std::uint8_t, kLongestSerialFrame> wire{};
+    const std::size_t length = IbusEncoder(kChannelCount).write(channels, wire, Instant{});
+    return {wire.begin(), wire.begin() + length};
 }
 
-void judge(Report& report, const BenchSettings& settings, const Distribution& whole,
-           const Distribution& bare) {
-    for (const Requirement& requirement : settings.requirements) {
-        if (auto sentence = broken(requirement, whole.percentile(requirement.percent),
-                                   bare.percentile(requirement.percent))) {
-            report.broken.push_back(std::move(*sentence));
+void sleep_until(Instant instant) {
+    const timespec until = as_timespec(instant.time_since_epoch());
+    ::clock_nanosleep(kClock, TIMER_ABSTIME, &until, nullptr);
+}
+
+/// What is written to `in.master` comes in on the device `in` and out of `out`, by a thread of
+/// tribus or of the bare relay.
+struct Way {
+    std::string thread;
+    Pty in;
+    Pty out;
+    std::unique_ptr<Appliance> tribus{};
+    std::jthread bare{};
+    std::uint32_t number = 0;
+    std::vector<Duration> times{};
+    Duration used_before{};
+    Distribution latency{};
+    Duration cpu{};  ///< of the thread, for a frame
+};
+
+/// Waits, reads and writes, as real-time as tribus.
+void relay(const std::stop_token& end, const std::string& name,
+           const std::unique_ptr<SerialPort>& in, const std::unique_ptr<SerialPort>& out) {
+    constexpr int kLookForTheEndMilliseconds = 50;
+    ::pthread_setname_np(::pthread_self(), name.c_str());
+    const Scheduling got = make_realtime({});
+    pollfd wait{.fd = in->descriptor(), .events = POLLIN, .revents = 0};
+    Reception came;
+    while (!end.stop_requested() && in->read(came) != ReadStatus::lost) {
+        if (came.count > 0) {
+            [[maybe_unused]] const ssize_t written =
+                ::write(out->descriptor(), came.bytes.data(), came.count);
         }
+        ::poll(&wait, 1, kLookForTheEndMilliseconds);
     }
 }
 
-Measured add_latency_over_ports(Report& report, const BenchSettings& settings, Duration length) {
-    auto result = measure_ports(settings.ports->in, settings.ports->out, settings.priority, length);
-    if (!result) {
-        return tl::unexpected(result.error());
-    }
-    add_percentiles(report, "latency", result->engine, result->bare, result->bare_again,
-                    "a bare reader");
-    judge(report, settings, result->engine, result->bare);
-    report.curves.push_back({"latency", "tribus", result->engine});
-    report.curves.push_back({"latency", "bare reader", result->bare});
-    return {};
+std::string configuration_text(const Way& way, const char* output) {
+    return fmt::format(
+        "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"{}\"\ntimeout = \"1s\"\n"
+        "[output.servos]\ndevice = \"{}\"\n{}"
+        "[pipeline.main]\nfrom = \"receiver\"\nto = \"servos\"\n"
+        "[pipeline.main.failsafe]\nrecover = \"0ms\"\n",
+        way.in.path, way.out.path, output);
 }
 
-}  // namespace
-
-Measured add_latency(Report& report, const BenchSettings& settings, Duration length) {
-    if (settings.ports) {
-        return add_latency_over_ports(report, settings, length);
+tl::expected<Way, std::string> start(const std::string& thread, const char* output,
+                                     tl::expected<Pty, std::string> near) {
+    auto far = Pty::open();
+    if (!near || !far) {
+        return tl::unexpected(near ? far.error() : near.error());
     }
-    const auto relay = relay_settings(settings, RelaySettings::Waits::poll);
-    auto anchor = Subject::relay(1, relay);
-    auto appliance = Subject::appliance(1, appliance_settings(settings));
-    auto anchor_again = Subject::relay(1, relay);
-    std::array<Subject*, 3> subjects{};
+    Way way{thread, std::move(*near), std::move(*far)};
+    if (thread == kDataThread) {
+        auto tribus = Appliance::start_text(configuration_text(way, output), "bench");
+        if (!tribus) {
+            return tl::unexpected(tribus.error());
+        }
+        way.tribus = std::move(*tribus);
+        return way;
+    }
+    auto in = SerialPort::open(way.in.path, kIbusProtocol.line);
+    auto out = SerialPort::open(way.out.path, kIbusProtocol.line);
+    if (!in || !out) {
+        return tl::unexpected(in ? out.error() : in.error());
+    }
+    way.bare = std::jthread(relay, thread, std::move(*in), std::move(*out));
+    return way;
+}
+
+void drain(const Pty& pty) {
+    std::array<std::uint8_t, 256> bytes{};
+    while (::read(pty.master.get(), bytes.data(), bytes.size()) > 0) {
+    }
+}
+
+/// Sends the next frame, and notes its time if it comes out within `patience`.
+void carry(Way& way, Duration patience) {
+    drain(way.out);
+    const std::vector<std::uint8_t> frame = numbered_frame(++way.number);
+    std::array<std::uint8_t, 128> bytes{};
     std::size_t count = 0;
-    for (auto* subject : {&anchor, &appliance, &anchor_again}) {
-        if (!*subject) {
-            return tl::unexpected(subject->error());
-        }
-        if (auto carries = (*subject)->wait_until_it_carries(); !carries) {
-            return tl::unexpected(carries.error());
-        }
-        subjects[count++] = &**subject;
-    }
-    const TesterPriority priority;
-    const std::vector<LatencyResult> results = measure_latency(subjects, length);
-    for (const LatencyResult& result : results) {
-        if (result.latency.empty() && !interrupted()) {
-            return tl::unexpected(fmt::format(
-                "frames were lost or came out broken ({} and {}); does another program use the "
-                "same pseudo-terminals, one that waits for a device such as /dev/pts/0?",
-                result.lost, result.torn));
+    const Instant sent = monotonic_now();
+    [[maybe_unused]] const ssize_t taken = ::write(way.in.master.get(), frame.data(), frame.size());
+    for (Instant now = sent; now < sent + patience && count < bytes.size(); now = monotonic_now()) {
+        pollfd wait{.fd = way.out.master.get(), .events = POLLIN, .revents = 0};
+        const timespec rest = as_timespec(sent + patience - now);
+        ::ppoll(&wait, 1, &rest, nullptr);
+        const ssize_t more = ::read(wait.fd, bytes.data() + count, bytes.size() - count);
+        count += more > 0 ? static_cast<std::size_t>(more) : 0;
+        // The frame before may come once more, ahead of it.
+        if (count >= frame.size() &&
+            std::equal(frame.begin(), frame.end(), bytes.data() + count - frame.size())) {
+            way.times.push_back(monotonic_now() - sent);
+            return;
         }
     }
-    const Distribution& bare = results[0].latency;
-    add_percentiles(report, "latency", results[1].latency, bare, results[2].latency,
-                    "a bare relay");
-    report.measurements.push_back(
-        {.group = "latency",
-         .what = "frames lost or torn",
-         .figure = static_cast<double>(results[1].lost + results[1].torn),
-         .unit = "frames",
-         .reading = fmt::format("of {}", results[1].latency.size() + results[1].lost)});
-    judge(report, settings, results[1].latency, bare);
-    report.curves.push_back({"latency", "tribus", results[1].latency});
-    report.curves.push_back({"latency", "bare relay", bare});
-    report.curves.push_back({"latency", "bare relay again", results[2].latency});
-    return {};
 }
 
-Measured add_lateness(Report& report, const BenchSettings& settings, Duration length) {
-    const std::optional<int> last =
-        processor_count() > 1 ? std::optional(processor_count() - 1) : std::nullopt;
-    auto result = measure_lateness({.priority = settings.priority, .cpu = last, .length = length});
-    if (!result) {
-        return tl::unexpected(result.error());
+Duration processor_time(const std::string& thread) {
+    std::int64_t nanoseconds = 0;
+    for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+        std::string name;
+        std::ifstream(task.path() / "comm") >> name;
+        if (name == thread) {
+            std::ifstream(task.path() / "schedstat") >> nanoseconds;
+        }
     }
-    add_percentiles(report, "lateness", result->grid, result->bare, result->bare,
-                    "a bare timer loop");
-    report.curves.push_back({"lateness", "tribus, grid", std::move(result->grid)});
-    report.curves.push_back({"lateness", "bare timer loop", std::move(result->bare)});
-    return {};
+    return Duration(nanoseconds);
 }
 
-Measured add_age(Report& report, const BenchSettings& settings, Duration length) {
-    auto result = measure_age(appliance_settings(settings), length);
-    if (!result) {
-        return tl::unexpected(result.error());
+/// One frame on each way in each period, one after the other: all see the same machine, and none is
+/// disturbed by another's frame.
+void carry_in_turns(std::span<Way> ways, std::size_t rounds, Duration patience) {
+    for (Way& way : ways) {
+        way.used_before = processor_time(way.thread);
+        way.times.clear();
+        way.times.reserve(rounds);
     }
-    const std::string peer = "a free-running writer";
-    for (const double percent : {50.0, 99.0}) {
-        const Duration anchor = result->free.percentile(percent);
-        const auto add = [&](const char* name, const Distribution& ages) {
-            const Duration age = ages.percentile(percent);
-            report.add("age", fmt::format("{}, p{:.0f}", name, percent), age, anchor,
-                       reading_of(ratio_of(age, anchor), 1, peer));
-        };
-        add("follow", result->follow);
-        add("grid, locked", result->locked);
+    const Duration step = kFramePeriod / static_cast<std::int64_t>(ways.size());
+    Instant next = monotonic_now();
+    for (std::size_t turn = 0; turn < rounds * ways.size(); ++turn) {
+        sleep_until(next);
+        // Behind a stall, frames closer together than a period would wait in tribus.
+        const Instant now = monotonic_now();
+        next = (now - next > kFramePeriod / 8 ? now : next) + step;
+        carry(ways[turn % ways.size()], patience);
     }
-    report.curves.push_back({"age", "follow", std::move(result->follow)});
-    report.curves.push_back({"age", "grid, locked", std::move(result->locked)});
-    report.curves.push_back({"age", "grid, free", std::move(result->free)});
-    return {};
 }
 
-Measured add_codecs(Report& report, const BenchSettings& /*settings*/, Duration length) {
-    for (const CodecCost& cost : measure_codecs(length)) {
-        const auto add = [&](const char* way, double nanoseconds) {
-            const double share = nanoseconds / static_cast<double>(kFramePeriod.count()) * 100;
-            report.add("codecs", fmt::format("{} {}", cost.protocol, way),
-                       Duration(static_cast<std::int64_t>(nanoseconds)), std::nullopt,
-                       fmt::format("{:.4f} % of a core each 7 ms", share));
-        };
-        add("decode", cost.decode_ns);
-        add("encode", cost.encode_ns);
+/// On a thread of its own, above those of the ways, and on processor 0 if there are several.
+/// Returns whether each way carries frames.
+bool measure(std::span<Way> ways, std::size_t rounds) {
+    constexpr std::size_t kWarmUpFrames = 20;
+    constexpr int kMostWarmUps = 15;
+    bool all_carry = false;
+    std::thread([&] {
+        const bool several = std::thread::hardware_concurrency() > 1;
+        const Scheduling got =
+            make_realtime({.priority = 90, .cpu = several ? std::optional(0) : std::nullopt});
+        for (int i = 0; i < kMostWarmUps && !all_carry; ++i) {
+            carry_in_turns(ways, kWarmUpFrames, kFramePeriod);
+            all_carry = std::ranges::none_of(ways, [](auto& way) { return way.times.empty(); });
+        }
+        carry_in_turns(ways, all_carry ? rounds : 0, kLostAfter);
+    }).join();
+    for (Way& way : ways) {
+        way.cpu = (processor_time(way.thread) - way.used_before) /
+                  std::max<std::int64_t>(static_cast<std::int64_t>(way.times.size()), 1);
+        way.latency = Distribution(std::move(way.times));
     }
-    return {};
-}
-
-namespace {
-
-tl::expected<Duration, std::string> time_per_frame(tl::expected<Subject, std::string> subject,
-                                                   Duration length) {
-    if (!subject) {
-        return tl::unexpected(subject.error());
-    }
-    if (auto carries = subject->wait_until_it_carries(kFramePeriod); !carries) {
-        return tl::unexpected(carries.error());
-    }
-    const TesterPriority priority;
-    const auto rounds = static_cast<std::uint64_t>(length / kFramePeriod);
-    return drive(*subject, {.rounds = std::max<std::uint64_t>(rounds, 1)}).processor_time_per_frame;
-}
-
-/// The number of pipelines that fill one core, if each further one costs what it did between 1 and
-/// `many`.
-double pipelines_per_core(Duration one, Duration each_of_many, std::size_t many) {
-    const auto n = static_cast<double>(many);
-    const double whole = static_cast<double>(each_of_many.count()) * n;
-    const double further = std::max((whole - static_cast<double>(one.count())) / (n - 1), 1.0);
-    return n + (static_cast<double>(kFramePeriod.count()) - whole) / further;
+    return all_carry;
 }
 
 }  // namespace
 
-Measured add_capacity(Report& report, const BenchSettings& settings, Duration length) {
-    constexpr std::size_t kMany = 64;
-    const auto relay = relay_settings(settings, RelaySettings::Waits::epoll);
-    const ApplianceSettings appliance = appliance_settings(settings);
-    std::array<Duration, 2> mine{};
-    std::array<Duration, 2> bare{};
-    for (const std::size_t i : {std::size_t{0}, std::size_t{1}}) {
-        const std::size_t lanes = i == 0 ? 1 : kMany;
-        const auto its = time_per_frame(Subject::relay(lanes, relay), length / 4);
-        const auto ours = time_per_frame(Subject::appliance(lanes, appliance), length / 4);
-        if (!its || !ours) {
-            return tl::unexpected(its ? ours.error() : its.error());
+tl::expected<void, std::string> add_frames(Report& report, const std::vector<std::string>& ports,
+                                           Duration length) {
+    const bool wired = !ports.empty();
+    tl::expected<std::unique_ptr<SerialPort>, std::string> sender;
+    if (wired && !(sender = SerialPort::open(ports[1], kIbusProtocol.line))) {
+        return tl::unexpected(sender.error());
+    }
+    const auto rounds = static_cast<std::size_t>(length / (wired ? 3 : 1) / kFramePeriod + 1);
+    std::vector<Way> ways;
+    for (const char* thread : {"bare-relay", kDataThread, "bare-again"}) {
+        auto way =
+            start(thread, kSameFrames,
+                  wired ? Pty{UniqueFd(::dup((*sender)->descriptor())), ports[0]} : Pty::open());
+        if (!way) {
+            return tl::unexpected(way.error());
         }
-        bare[i] = *its;
-        mine[i] = *ours;
-        report.add("capacity",
-                   lanes == 1 ? "a frame, 1 pipeline" : fmt::format("a frame, {} pipelines", lanes),
-                   *ours, *its, reading_of(ratio_of(*ours, *its), 1, "a bare relay"));
+        ways.push_back(std::move(*way));
+        if (!wired && ways.size() < 3) {
+            continue;
+        }
+        // A port has one reader at a time; pseudo-terminals are measured together.
+        if (!measure(wired ? std::span(&ways.back(), 1) : ways, rounds)) {
+            return tl::unexpected(
+                wired ? fmt::format("no frame that was written on {} came in on {}: connect TX of "
+                                    "the first to RX of the second, and their grounds",
+                                    ports[1], ports[0])
+                      : "no frame came through; does another program use these pseudo-terminals?");
+        }
+        ways.back().tribus.reset();
+        ways.back().bare = {};
     }
-    report.measurements.push_back({.group = "capacity",
-                                   .what = "pipelines that fill a core",
-                                   .figure = pipelines_per_core(mine[0], mine[1], kMany),
-                                   .anchor = pipelines_per_core(bare[0], bare[1], kMany),
-                                   .unit = "pipelines",
-                                   .reading = "extrapolated"});
+    for (const int percent : {50, 90, 99}) {
+        report.add("latency", fmt::format("p{}", percent), ways[1].latency.percentile(percent),
+                   ways[0].latency.percentile(percent), ways[2].latency.percentile(percent),
+                   "a bare relay");
+    }
+    report.measurements.push_back({.group = "latency",
+                                   .what = "frames lost or torn",
+                                   .figure = static_cast<double>(rounds - ways[1].latency.size()),
+                                   .unit = "frames",
+                                   .reading = fmt::format("of {}", rounds)});
+    report.add("cpu", "a frame", ways[1].cpu, ways[0].cpu, ways[2].cpu, "a bare relay");
     return {};
 }
 
-Measured add_ppm(Report& report, const BenchSettings& settings, Duration length) {
-    auto result = measure_ppm(settings.line, length);
-    if (!result) {
-        return tl::unexpected(result.error());
+tl::expected<void, std::string> add_lateness(Report& report, Duration length) {
+    const auto way = start(kDataThread, kGrid, Pty::open());
+    if (!way) {
+        return tl::unexpected(way.error());
     }
-    add_percentiles(report, "ppm", result->stamped, result->bare, result->bare,
-                    "a reader's own clock");
-    report.measurements.push_back(
-        {.group = "ppm",
-         .what = "frames refused",
-         .figure = static_cast<double>(result->refused),
-         .unit = "frames",
-         .reading = fmt::format("of {}, {} channels", result->frames + result->refused,
-                                result->channels)});
-    report.curves.push_back({"ppm", "tribus, time stamps", std::move(result->stamped)});
-    report.curves.push_back({"ppm", "a reader's own clock", std::move(result->bare)});
+    Histogram bare;
+    std::thread([&] {
+        const Scheduling got = make_realtime({});
+        const Instant end = monotonic_now() + length;
+        pollfd first{.fd = way->out.master.get(), .events = POLLIN, .revents = 0};
+        ::poll(&first, 1, 1000);
+        // Half a period away from the frames.
+        Instant deadline = monotonic_now() + kFramePeriod / 2;
+        for (Instant now = deadline; now < end; deadline += kFramePeriod) {
+            sleep_until(deadline);
+            now = monotonic_now();
+            bare.record(now - deadline, now);
+            drain(way->out);
+        }
+    }).join();
+    const HistogramReading grid = way->tribus->output_timing(0).lateness().since_start();
+    for (const int percent : {50, 90, 99}) {
+        const Duration its = bare.since_start().quantile(percent / 100.0);
+        report.add("lateness", fmt::format("p{}", percent), grid.quantile(percent / 100.0), its,
+                   its, "a bare timer");
+    }
     return {};
-}
-
-const std::vector<BenchPart>& bench_parts() {
-    static const std::vector<BenchPart> parts{
-        {"latency", 0.4, add_latency}, {"lateness", 0.15, add_lateness}, {"age", 0.2, add_age},
-        {"codecs", 0.05, add_codecs},  {"capacity", 0.2, add_capacity},  {kPpmPart, 0.2, add_ppm}};
-    return parts;
 }
 
 }  // namespace tribus::bench

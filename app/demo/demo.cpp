@@ -27,8 +27,7 @@
 #include "app/demo/demo_screen.h"
 #include "app/journal/print_error.h"
 #include "app/journal/terminal_stream.h"
-#include "config/language/mistakes.h"
-#include "config/load.h"
+#include "core/distribution.h"
 #include "pipelines/realtime/clock.h"
 
 namespace tribus {
@@ -78,14 +77,6 @@ class RateMeter {
     double rate_ = 0;
 };
 
-Duration percentile(std::vector<Duration> sorted, std::size_t percent) {
-    if (sorted.empty()) {
-        return Duration::zero();
-    }
-    std::sort(sorted.begin(), sorted.end());
-    return sorted[std::min(sorted.size() - 1, sorted.size() * percent / 100)];
-}
-
 std::string drop_sentence(const DropRecord& drop) {
     const auto after = [](const std::optional<Duration>& duration) {
         return duration ? "after " + short_duration(*duration) : std::string("...");
@@ -118,14 +109,10 @@ tl::expected<Bench, std::string> set_up() {
     if (!receiver || !servos) {
         return tl::unexpected(receiver ? servos.error() : receiver.error());
     }
-    auto configuration =
-        load_configuration(demo_configuration(receiver->path, servos->path), "demo");
-    if (!configuration) {
-        return tl::unexpected(format_mistake(configuration.error().front()));
-    }
-    auto appliance = Appliance::start(std::move(*configuration));
+    auto appliance =
+        Appliance::start_text(demo_configuration(receiver->path, servos->path), "demo");
     if (!appliance) {
-        return tl::unexpected(appliance.error().front());
+        return tl::unexpected(appliance.error());
     }
     Bench bench{std::move(*appliance), nullptr, receiver->path, servos->path};
     bench.peers =
@@ -167,8 +154,9 @@ class Demo {
         figures.frames_in = report.frames_sent;
         figures.frames_out = report.frames_received;
         figures.lost = lost_;
-        figures.latency_p50 = percentile(report.latencies, 50);
-        figures.latency_p99 = percentile(report.latencies, 99);
+        const Distribution latencies(report.latencies);
+        figures.latency_p50 = latencies.percentile(50);
+        figures.latency_p99 = latencies.percentile(99);
         if (!report.drops.empty()) {
             figures.latest_drop = drop_sentence(report.drops.back());
         }
@@ -219,10 +207,11 @@ class Demo {
             "receiver frame\n",
             written, report.frames_received, report.frames_fresh);
         fmt::print("lost:     {}\n", lost_);
+        const Distribution latencies(report.latencies);
         fmt::print("latency, receiver's write to servos' read: p50 {}, p99 {}, most {}\n",
-                   short_duration(percentile(report.latencies, 50)),
-                   short_duration(percentile(report.latencies, 99)),
-                   short_duration(percentile(report.latencies, 100)));
+                   short_duration(latencies.percentile(50)),
+                   short_duration(latencies.percentile(99)),
+                   short_duration(latencies.percentile(100)));
         for (const DropRecord& drop : report.drops) {
             fmt::print("{}\n", drop_sentence(drop));
         }

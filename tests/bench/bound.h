@@ -6,15 +6,17 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <tl/expected.hpp>
 
-#include "app/bench/latency.h"
-#include "app/bench/relay.h"
-#include "app/bench/subject.h"
+#include "core/distribution.h"
 #include "core/time.h"
+#include "tests/bench/latency.h"
+#include "tests/bench/relay.h"
+#include "tests/bench/subject.h"
 
 namespace tribus::test {
 
@@ -37,6 +39,7 @@ using Refused = tl::unexpected<std::string>;
 struct BoundSettings {
     std::string program;     ///< `tribus`
     std::string heap_trap;   ///< preloaded into the program to count allocations
+    std::string line;        ///< the GPIO line for PPM
     std::optional<int> cpu;  ///< processor for relay and product
     int priority = 80;
     Duration length = std::chrono::seconds(15);  ///< of each ratio in each run
@@ -70,17 +73,14 @@ inline std::string microseconds(Duration duration) {
     return fmt::format("{:.1f} us", static_cast<double>(duration.count()) / 1e3);
 }
 
-/// Waits until frames come through. What it returns ends where the caller lets go of it; a
-/// parameter would live until the caller's expression ends, beside the next subject.
-inline tl::expected<bench::Subject, std::string> carrying(
-    tl::expected<bench::Subject, std::string> started) {
-    if (!started) {
-        return started;
-    }
-    if (auto carries = started->wait_until_it_carries(bench::kFramePeriod); !carries) {
-        return Refused(carries.error());
-    }
-    return started;
+/// A figure that is the ratio of a time to that of its anchor, which was measured twice.
+inline Figure ratio_figure(std::string row, double bound, Duration mine, Duration anchor,
+                           Duration anchor_again) {
+    return {.row = std::move(row),
+            .value = ratio_of(mine, anchor),
+            .bound = bound,
+            .allowance = noise_allowance(anchor, anchor_again),
+            .note = fmt::format("{} beside {}", microseconds(mine), microseconds(anchor))};
 }
 
 /// Rows of the table that are measured together.
@@ -97,6 +97,8 @@ std::vector<Bound> time_bounds();
 std::vector<Bound> scaling_bounds();
 /// Bounds of a sensor bus: ratios and times.
 std::vector<Bound> response_bounds();
+/// Jitter of PPM on a GPIO line.
+std::vector<Bound> ppm_bounds();
 /// Bounds in instructions.
 std::vector<Bound> instruction_bounds();
 /// Bounds of the kernel's timers.

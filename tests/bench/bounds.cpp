@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "app/bench/distribution.h"
-#include "app/bench/tester.h"
+#include "core/distribution.h"
 #include "pipelines/realtime/clock.h"
 #include "tests/bench/bound.h"
+#include "tests/bench/tester.h"
 
 /// Prints a table of the bounds in real time and what this machine reaches. A ratio is the median
 /// of several runs. Each run measures its anchor twice, which shows the noise. A time never makes
@@ -59,6 +59,16 @@ double wait_for_quiet(Duration patience) {
     return busy;
 }
 
+/// For an even number, the mean of the two middle values; zero without values.
+double median_of(std::vector<double> values) {
+    if (values.empty()) {
+        return 0;
+    }
+    std::sort(values.begin(), values.end());
+    const std::size_t middle = values.size() / 2;
+    return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
+}
+
 /// Returns the median of one row over all runs.
 Figure median_figure(const std::vector<std::vector<Figure>>& runs, std::size_t row) {
     std::vector<double> values;
@@ -68,8 +78,8 @@ Figure median_figure(const std::vector<std::vector<Figure>>& runs, std::size_t r
         allowances.push_back(run[row].allowance);
     }
     Figure figure = runs.back()[row];
-    figure.value = bench::median_of(values);
-    figure.allowance = bench::median_of(allowances);
+    figure.value = median_of(values);
+    figure.allowance = median_of(allowances);
     return figure;
 }
 
@@ -99,6 +109,7 @@ struct Options {
     double patience = 60;
     bool unpinned = false;
     bool long_counts = false;
+    std::string line;
 };
 
 bool measure_and_print(const Bound& bound, const BoundSettings& settings, const Options& options) {
@@ -133,6 +144,10 @@ int run(const Options& options) {
                                 instruction_bounds()}) {
         bounds.insert(bounds.end(), further.begin(), further.end());
     }
+    if (!options.line.empty()) {
+        const std::vector<Bound> ppm = ppm_bounds();
+        bounds.insert(bounds.end(), ppm.begin(), ppm.end());
+    }
     for (const std::string& name : options.only) {
         if (std::ranges::find(bounds, name, &Bound::name) == bounds.end()) {
             fmt::print(stderr, "--only {}: there is no such row; allowed:", name);
@@ -146,6 +161,7 @@ int run(const Options& options) {
     BoundSettings settings;
     settings.program = TRIBUS_PROGRAM;
     settings.heap_trap = TRIBUS_HEAP_TRAP;
+    settings.line = options.line;
     settings.length =
         std::chrono::duration_cast<Duration>(std::chrono::duration<double>(options.seconds));
     settings.all_frames = options.long_counts;
@@ -187,6 +203,8 @@ int main(int argc, char** argv) {
         ->capture_default_str();
     app.add_flag("--unpinned", options.unpinned, "Relay and product on any CPU, not on the last");
     app.add_flag("--long", options.long_counts, "A million frames where lost ones are counted");
+    app.add_option("--line", options.line,
+                   "A GPIO line with the PPM of a receiver whose sticks rest: adds the row ppm");
     CLI11_PARSE(app, argc, argv);
     return tribus::test::run(options);
 }

@@ -9,10 +9,10 @@
 
 #include <fmt/format.h>
 
-#include "app/bench/latency.h"
-#include "app/bench/subject.h"
-#include "app/bench/tester.h"
 #include "tests/bench/bound.h"
+#include "tests/bench/latency.h"
+#include "tests/bench/subject.h"
+#include "tests/bench/tester.h"
 
 namespace tribus::test {
 namespace {

@@ -8,12 +8,12 @@
 
 #include <fmt/format.h>
 
-#include "app/bench/latency.h"
-#include "app/bench/subject.h"
-#include "app/bench/tester.h"
 #include "pipelines/realtime/clock.h"
 #include "tests/bench/bound.h"
 #include "tests/bench/daemon_counts.h"
+#include "tests/bench/latency.h"
+#include "tests/bench/subject.h"
+#include "tests/bench/tester.h"
 
 namespace tribus::test {
 namespace {
@@ -40,7 +40,7 @@ Figures lost_frames(const BoundSettings& settings) {
     constexpr std::size_t kLanes = 32;
     ApplianceSettings ours = appliance(settings);
     ours.period = std::chrono::milliseconds(3);
-    auto subject = started_daemon(kLanes, ours);
+    auto subject = carrying(Subject::appliance(kLanes, ours));
     if (!subject) {
         return Refused(subject.error());
     }
@@ -96,7 +96,7 @@ void disturb(Lane& lane, std::mt19937& random) {
 Figures allocations(const BoundSettings& settings) {
     ApplianceSettings ours = appliance(settings);
     ours.environment = {"LD_PRELOAD=" + settings.heap_trap};
-    auto subject = started_daemon(1, ours);
+    auto subject = carrying(Subject::appliance(1, ours));
     if (!subject) {
         return Refused(subject.error());
     }

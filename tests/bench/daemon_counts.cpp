@@ -14,66 +14,32 @@
 
 #include <fmt/format.h>
 
-#include "app/bench/latency.h"
-#include "app/bench/tester.h"
 #include "pipelines/realtime/clock.h"
+#include "tests/bench/latency.h"
+#include "tests/bench/tester.h"
+#include "tests/support/temporary_folder.h"
 
 namespace tribus::bench {
 namespace {
 
 using Refused = tl::unexpected<std::string>;
 
-constexpr auto kDaemonFramePeriod = std::chrono::microseconds(7700);
-
-/// A folder for the files of a run, removed with its object.
-class CountFolder {
-  public:
-    CountFolder() {
-        std::string name = std::filesystem::temp_directory_path() / "tribus-counts-XXXXXX";
-        if (::mkdtemp(name.data()) != nullptr) {
-            path_ = name;
-        }
-    }
-    CountFolder(const CountFolder&) = delete;
-    CountFolder& operator=(const CountFolder&) = delete;
-    ~CountFolder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    const std::filesystem::path& path() const { return path_; }
-
-  private:
-    std::filesystem::path path_;
-};
-
-/// From the start of the program to its end.
-struct RunInstructions {
-    std::uint64_t all = 0;
-    std::uint64_t main_thread = 0;
-};
-
-tl::expected<RunInstructions, std::string> instructions_of_run(Carries carries,
+tl::expected<CallgrindCounts, std::string> instructions_of_run(Carries carries,
                                                                std::uint64_t frames) {
-    const CountFolder folder;
+    const test::TemporaryFolder folder;
     ApplianceSettings ours;
     ours.program = TRIBUS_PROGRAM;
     ours.carries = carries;
     ours.period = std::chrono::milliseconds(7);
-    ours.in_front = {"valgrind", "--tool=callgrind", "--separate-threads=yes",
-                     "--callgrind-out-file=" + (folder.path() / "counts").string()};
-    auto subject = started_daemon(1, ours);
+    ours.in_front = under_callgrind(folder.path());
+    auto subject = carrying(Subject::appliance(1, ours));
     if (!subject) {
         return Refused(subject.error());
     }
     const TesterPriority priority;
     drive(*subject, {.period = kDaemonFramePeriod, .rounds = frames});
     subject->process().end();
-    RunInstructions counted;
-    for (const auto& file : std::filesystem::directory_iterator(folder.path())) {
-        const std::uint64_t sum = callgrind_sum(file.path());
-        counted.all += sum;
-        counted.main_thread += file.path().filename() == "counts-01" ? sum : 0;
-    }
+    const CallgrindCounts counted = callgrind_counts(folder.path());
     if (counted.main_thread == 0) {
         return Refused("callgrind counted nothing: " + subject->process().errors());
     }
@@ -137,16 +103,24 @@ tl::expected<DaemonCalls, std::string> calls_for(Subject& subject, int frames) {
 
 }  // namespace
 
-std::string content_of(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
+std::vector<std::string> under_callgrind(const std::filesystem::path& folder) {
+    return {"valgrind", "--tool=callgrind", "--separate-threads=yes",
+            "--callgrind-out-file=" + (folder / "counts").string()};
 }
 
-std::uint64_t callgrind_sum(const std::filesystem::path& file) {
+CallgrindCounts callgrind_counts(const std::filesystem::path& folder) {
     constexpr std::string_view kMark = "\ntotals: ";
-    const std::string text = content_of(file);
-    const std::size_t at = text.rfind(kMark);
-    return at == text.npos ? 0 : std::strtoull(text.c_str() + at + kMark.size(), nullptr, 10);
+    CallgrindCounts counts;
+    for (const auto& file : std::filesystem::directory_iterator(folder)) {
+        // Each thread has a file, which ends with its sum.
+        const std::string text = content_of(file.path());
+        const std::size_t at = text.rfind(kMark);
+        const std::uint64_t sum =
+            at == text.npos ? 0 : std::strtoull(text.c_str() + at + kMark.size(), nullptr, 10);
+        counts.all += sum;
+        counts.main_thread += file.path().filename() == "counts-01" ? sum : 0;
+    }
+    return counts;
 }
 
 std::filesystem::path data_thread(pid_t process) {
@@ -157,18 +131,6 @@ std::filesystem::path data_thread(pid_t process) {
         }
     }
     return {};
-}
-
-tl::expected<Subject, std::string> started_daemon(std::size_t lanes,
-                                                  const ApplianceSettings& settings) {
-    auto subject = Subject::appliance(lanes, settings);
-    if (!subject) {
-        return subject;
-    }
-    if (auto carries = subject->wait_until_it_carries(kFramePeriod); !carries) {
-        return Refused(carries.error());
-    }
-    return subject;
 }
 
 tl::expected<DaemonInstructions, std::string> daemon_instructions(Carries carries) {
@@ -189,7 +151,7 @@ tl::expected<DaemonInstructions, std::string> daemon_instructions(Carries carrie
 tl::expected<DaemonCalls, std::string> daemon_calls(const ApplianceSettings& settings) {
     constexpr int kFew = 100;
     constexpr int kMany = 600;
-    auto subject = started_daemon(1, settings);
+    auto subject = carrying(Subject::appliance(1, settings));
     if (!subject) {
         return Refused(subject.error());
     }
@@ -207,7 +169,7 @@ tl::expected<DaemonMemory, std::string> daemon_memory(const ApplianceSettings& s
     std::array<ProcessUsage, 2> usage;
     ProcessUsage reloaded;
     for (const std::size_t i : {std::size_t{0}, std::size_t{1}}) {
-        auto subject = started_daemon(i == 0 ? 1 : kMany, settings);
+        auto subject = carrying(Subject::appliance(i == 0 ? 1 : kMany, settings));
         if (!subject) {
             return Refused(subject.error());
         }

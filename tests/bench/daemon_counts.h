@@ -3,20 +3,25 @@
 #include <sys/types.h>
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <tl/expected.hpp>
 
-#include "app/bench/lane.h"
-#include "app/bench/subject.h"
+#include "tests/bench/lane.h"
+#include "tests/bench/subject.h"
 
 /// The cost of a frame in the whole program, `tribus run` with ptys. The errors say what went
 /// wrong.
 namespace tribus::bench {
+
+/// Of the receiver, in all counts.
+inline constexpr auto kDaemonFramePeriod = std::chrono::microseconds(7700);
 
 /// A workload of the program, with a rule for each channel, and the upper limit of its user
 /// instructions a frame in all threads. The number of wake-ups differs a little from run to
@@ -76,15 +81,16 @@ struct DaemonMemory {
 /// `settings` should demand real time, which locks the memory: all of it is then resident.
 tl::expected<DaemonMemory, std::string> daemon_memory(const ApplianceSettings& settings);
 
-/// Starts the program and waits until frames come through.
-tl::expected<Subject, std::string> started_daemon(std::size_t lanes,
-                                                  const ApplianceSettings& settings);
-
 /// The folder of the data thread in /proc. It is found by its name; empty if there is none.
 std::filesystem::path data_thread(pid_t process);
-/// What a file of /proc says.
-std::string content_of(const std::filesystem::path& path);
-/// callgrind writes a file for each thread, which ends with the thread's sum of instructions.
-std::uint64_t callgrind_sum(const std::filesystem::path& file);
+
+/// The words before a program that count its instructions into files of a folder.
+std::vector<std::string> under_callgrind(const std::filesystem::path& folder);
+/// From the start of the program to its end.
+struct CallgrindCounts {
+    std::uint64_t all = 0;
+    std::uint64_t main_thread = 0;
+};
+CallgrindCounts callgrind_counts(const std::filesystem::path& folder);
 
 }  // namespace tribus::bench

@@ -18,23 +18,31 @@ namespace {
 
 using namespace bench;
 
-/// Counts on x86. The note has the count on ARM.
-tl::expected<Figure, std::string> counted(const Row& row, const std::string& text, double bound) {
-    const auto x86 = cost(Machine::x86, row);
-    if (!x86) {
-        return Refused(fmt::format("{}: the count went wrong", row.name));
-    }
-    const auto arm = missing(Machine::arm).empty() ? cost(Machine::arm, row) : std::nullopt;
-    return Figure{.row = text,
-                  .value = *x86,
-                  .bound = bound,
-                  .note = arm ? fmt::format("Cortex-A72: {:.0f}", *arm) : missing(Machine::arm)};
-}
-
-Figures codecs(const BoundSettings& /*settings*/) {
+/// A row of the table for each of `rows`, with the bound of the same place: the count on x86. The
+/// note of a codec has that on ARM.
+template <std::size_t count>
+Figures counted_rows(const std::array<Row, count>& rows,
+                     const std::array<std::pair<const char*, double>, count>& bounds) {
     if (const std::string what = missing(Machine::x86); !what.empty()) {
         return Refused(what);
     }
+    std::vector<Figure> figures;
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto x86 = cost(Machine::x86, rows[i]);
+        if (!x86) {
+            return Refused(fmt::format("{}: the count went wrong", rows[i].name));
+        }
+        figures.push_back({.row = bounds[i].first, .value = *x86, .bound = bounds[i].second});
+        if (rows[i].counted == Counted::codecs) {
+            const std::string what = missing(Machine::arm);
+            const auto arm = what.empty() ? cost(Machine::arm, rows[i]) : std::nullopt;
+            figures.back().note = arm ? fmt::format("Cortex-A72: {:.0f}", *arm) : what;
+        }
+    }
+    return figures;
+}
+
+Figures codecs(const BoundSettings& /*settings*/) {
     constexpr std::array<std::pair<const char*, double>, kFrameRows.size()> kBounds{{
         {"instructions, decode SBUS, one read", 130},
         {"instructions, decode i.Bus, one read", 170},
@@ -58,15 +66,7 @@ Figures codecs(const BoundSettings& /*settings*/) {
         {"instructions, decode DSM, one read", 160},
         {"instructions, decode EX Bus, one read", 400},
     }};
-    std::vector<Figure> figures;
-    for (std::size_t i = 0; i < kBounds.size(); ++i) {
-        auto figure = counted(kFrameRows[i], kBounds[i].first, kBounds[i].second);
-        if (!figure) {
-            return Refused(figure.error());
-        }
-        figures.push_back(std::move(*figure));
-    }
-    return figures;
+    return counted_rows(kFrameRows, kBounds);
 }
 
 /// Returns the worst of all streams. The note has the number of streams beyond the bound.
@@ -90,25 +90,6 @@ Figures garbage(const BoundSettings& /*settings*/) {
     }
     worst.note = beyond.empty() ? "all streams of codec_ceilings.h" : "beyond: " + beyond;
     return std::vector{worst};
-}
-
-/// A row of the table for each of `rows`, with the bound of the same place.
-template <std::size_t count>
-Figures counted_rows(const std::array<Row, count>& rows,
-                     const std::array<std::pair<const char*, double>, count>& bounds) {
-    if (const std::string what = missing(Machine::x86); !what.empty()) {
-        return Refused(what);
-    }
-    std::vector<Figure> figures;
-    for (std::size_t i = 0; i < count; ++i) {
-        const auto instructions = cost(Machine::x86, rows[i]);
-        if (!instructions) {
-            return Refused(fmt::format("{}: the count went wrong", rows[i].name));
-        }
-        figures.push_back(
-            {.row = bounds[i].first, .value = *instructions, .bound = bounds[i].second});
-    }
-    return figures;
 }
 
 Figures engine(const BoundSettings& /*settings*/) {

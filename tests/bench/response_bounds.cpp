@@ -3,10 +3,10 @@
 
 #include <fmt/format.h>
 
-#include "app/bench/distribution.h"
-#include "app/bench/tester.h"
+#include "core/distribution.h"
 #include "tests/bench/bound.h"
 #include "tests/bench/response_times.h"
+#include "tests/bench/tester.h"
 
 namespace tribus::test {
 namespace {
@@ -34,16 +34,12 @@ Figure window_figure(const std::string& row, const Responses& responses) {
             .note = figures_of(responses)};
 }
 
-Figure ratio_figure(const std::string& row, double percent, Duration mine,
-                    const ResponseTimes& times) {
+Figure beside_bare(const std::string& row, double percent, Duration mine,
+                   const ResponseTimes& times) {
     constexpr double kBound = 1.10;
-    const Duration its = times.bare.times.percentile(percent);
-    return {.row = fmt::format("{}, p{}", row, percent),
-            .value = ratio_of(mine, its),
-            .bound = kBound,
-            .allowance = noise_allowance(its, times.bare_again.times.percentile(percent)),
-            .note = fmt::format("{:.1f} us beside {:.1f} us", in_milliseconds(mine) * 1000,
-                                in_milliseconds(its) * 1000)};
+    return ratio_figure(fmt::format("{}, p{}", row, percent), kBound, mine,
+                        times.bare.times.percentile(percent),
+                        times.bare_again.times.percentile(percent));
 }
 
 Figures response_figures(const BoundSettings& settings) {
@@ -56,13 +52,13 @@ Figures response_figures(const BoundSettings& settings) {
         window_figure("response by default, p99.9, ms", times->by_default),
         window_figure("response of the bare responder, p99.9, ms", times->bare)};
     for (const double percent : {50.0, 99.0, 99.9}) {
-        figures.push_back(ratio_figure("response at once / bare responder", percent,
-                                       times->at_once.times.percentile(percent), *times));
+        figures.push_back(beside_bare("response at once / bare responder", percent,
+                                      times->at_once.times.percentile(percent), *times));
     }
     for (const double percent : {50.0, 99.0, 99.9}) {
         figures.push_back(
-            ratio_figure("default less its 200 us / bare", percent,
-                         times->by_default.times.percentile(percent) - kDefaultReplyAfter, *times));
+            beside_bare("default less its 200 us / bare", percent,
+                        times->by_default.times.percentile(percent) - kDefaultReplyAfter, *times));
     }
     return figures;
 }

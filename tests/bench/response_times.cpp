@@ -21,10 +21,10 @@
 
 #include <fmt/format.h>
 
-#include "app/bench/process.h"
-#include "app/bench/tester.h"
 #include "app/cli/pty.h"
 #include "pipelines/realtime/clock.h"
+#include "tests/bench/process.h"
+#include "tests/bench/tester.h"
 
 namespace tribus::test {
 namespace {

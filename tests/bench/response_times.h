@@ -6,7 +6,7 @@
 
 #include <tl/expected.hpp>
 
-#include "app/bench/distribution.h"
+#include "core/distribution.h"
 #include "core/time.h"
 #include "tests/bench/bound.h"
 
@@ -22,8 +22,8 @@ constexpr Duration kDefaultReplyAfter = std::chrono::microseconds(200);
 constexpr Duration kResponseWindow = std::chrono::milliseconds(1);
 
 struct Responses {
-    bench::Distribution times;  ///< from the end of the request to the beginning of the reply
-    std::size_t missed = 0;     ///< requests without an answer
+    Distribution times;      ///< from the end of the request to the beginning of the reply
+    std::size_t missed = 0;  ///< requests without an answer
 };
 
 struct ResponseTimes {

@@ -8,11 +8,11 @@
 
 #include <fmt/format.h>
 
-#include "app/bench/distribution.h"
-#include "app/bench/latency.h"
-#include "app/bench/subject.h"
-#include "app/bench/tester.h"
+#include "core/distribution.h"
 #include "tests/bench/bound.h"
+#include "tests/bench/latency.h"
+#include "tests/bench/subject.h"
+#include "tests/bench/tester.h"
 
 namespace tribus::test {
 namespace {
@@ -70,17 +70,12 @@ tl::expected<Compared, std::string> compare(const BoundSettings& settings,
 
 /// The ratio of one duration of each of them.
 template <class DurationOf>
-Figure ratio_figure(const std::string& row, double bound, const Compared& compared,
-                    DurationOf duration_of) {
-    const Duration before = duration_of(compared.before);
-    const Duration ours = duration_of(compared.ours);
-    return {.row = row,
-            .value = ratio_of(ours, before),
-            .bound = bound,
-            .allowance = noise_allowance(before, duration_of(compared.after)),
-            .note = fmt::format("{} beside {}, with a deadline {}", microseconds(ours),
-                                microseconds(before),
-                                microseconds(duration_of(compared.with_deadline)))};
+Figure compared_figure(const std::string& row, double bound, const Compared& compared,
+                       DurationOf duration_of) {
+    Figure figure = ratio_figure(row, bound, duration_of(compared.ours),
+                                 duration_of(compared.before), duration_of(compared.after));
+    figure.note += ", with a deadline " + microseconds(duration_of(compared.with_deadline));
+    return figure;
 }
 
 Figures scaling(const BoundSettings& settings) {
@@ -101,14 +96,11 @@ Figures scaling(const BoundSettings& settings) {
     const auto cost = [](const LatencyResult& result) { return result.processor_time_per_frame; };
     const auto p99 = [](const LatencyResult& result) { return result.latency.percentile(99); };
     return std::vector<Figure>{
-        {.row = "cost a frame at 64 pipelines / at 1",
-         .value = ratio_of(cost(spread->ours), cost(*one)),
-         .bound = 0.6,
-         .note = fmt::format("{} beside {}", microseconds(cost(spread->ours)),
-                             microseconds(cost(*one)))},
-        ratio_figure("CPU time a frame, 64 pipelines / bare relay", 1.20, *spread, cost),
-        ratio_figure("latency, 64 pipelines / bare relay, p99", 1.30, *spread, p99),
-        ratio_figure("64 frames at one instant / bare relay", 1.15, *burst, cost)};
+        ratio_figure("cost a frame at 64 pipelines / at 1", 0.6, cost(spread->ours), cost(*one),
+                     cost(*one)),
+        compared_figure("CPU time a frame, 64 pipelines / bare relay", 1.20, *spread, cost),
+        compared_figure("latency, 64 pipelines / bare relay, p99", 1.30, *spread, p99),
+        compared_figure("64 frames at one instant / bare relay", 1.15, *burst, cost)};
 }
 
 }  // namespace

@@ -11,14 +11,14 @@
 
 #include <fmt/format.h>
 
-#include "app/bench/age.h"
-#include "app/bench/distribution.h"
-#include "app/bench/latency.h"
-#include "app/bench/lateness.h"
-#include "app/bench/subject.h"
-#include "app/bench/tester.h"
+#include "core/distribution.h"
 #include "pipelines/realtime/clock.h"
+#include "tests/bench/age.h"
 #include "tests/bench/bound.h"
+#include "tests/bench/latency.h"
+#include "tests/bench/lateness.h"
+#include "tests/bench/subject.h"
+#include "tests/bench/tester.h"
 
 namespace tribus::test {
 namespace {
@@ -30,11 +30,9 @@ tl::expected<std::vector<LatencyResult>, std::string> measure_together(
     std::vector<tl::expected<Subject, std::string>> subjects, Duration length) {
     std::vector<Subject*> ready;
     for (auto& subject : subjects) {
+        subject = carrying(std::move(subject));
         if (!subject) {
             return Refused(subject.error());
-        }
-        if (auto carries = subject->wait_until_it_carries(); !carries) {
-            return Refused(carries.error());
         }
         ready.push_back(&*subject);
     }
@@ -45,13 +43,8 @@ tl::expected<std::vector<LatencyResult>, std::string> measure_together(
 Figure percentile_figure(const std::string& row, double percent, double bound,
                          const Distribution& mine, const Distribution& anchor,
                          const Distribution& again) {
-    const Duration its = anchor.percentile(percent);
-    return {.row = fmt::format("{}, p{:.0f}", row, percent),
-            .value = ratio_of(mine.percentile(percent), its),
-            .bound = bound,
-            .allowance = noise_allowance(its, again.percentile(percent)),
-            .note = fmt::format("{} us beside {} us", mine.percentile(percent).count() / 1000,
-                                its.count() / 1000)};
+    return ratio_figure(fmt::format("{}, p{:.0f}", row, percent), bound, mine.percentile(percent),
+                        anchor.percentile(percent), again.percentile(percent));
 }
 
 Figures added_latency(const BoundSettings& settings) {
@@ -183,18 +176,11 @@ Figures processor_time(const BoundSettings& settings) {
         return Refused(results.error());
     }
     const auto used = [&](std::size_t i) { return (*results)[i].processor_time_per_frame; };
-    const auto note = [&](std::size_t anchor) {
-        return fmt::format("{} beside {}", microseconds(used(1)), microseconds(used(anchor)));
-    };
-    return std::vector<Figure>{{.row = "CPU time a frame / bare FIFO epoll relay",
-                                .value = ratio_of(used(1), used(0)),
-                                .bound = 1.10,
-                                .allowance = noise_allowance(used(0), used(3)),
-                                .note = note(0) + ", with a deadline " + microseconds(used(4))},
-                               {.row = "CPU time a frame / socat",
-                                .value = ratio_of(used(1), used(2)),
-                                .bound = 0.75,
-                                .note = note(2)}};
+    std::vector<Figure> figures{
+        ratio_figure("CPU time a frame / bare FIFO epoll relay", 1.10, used(1), used(0), used(3)),
+        ratio_figure("CPU time a frame / socat", 0.75, used(1), used(2), used(2))};
+    figures[0].note += ", with a deadline " + microseconds(used(4));
+    return figures;
 }
 
 /// Returns the time from the start of a program until it writes something, while frames are sent to

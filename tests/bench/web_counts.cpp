@@ -16,13 +16,14 @@
 
 #include <fmt/format.h>
 
-#include "app/bench/latency.h"
-#include "app/bench/process.h"
-#include "app/bench/tester.h"
 #include "app/web/pairing/pairing.h"
 #include "pipelines/realtime/clock.h"
 #include "tests/bench/daemon_counts.h"
+#include "tests/bench/latency.h"
+#include "tests/bench/process.h"
+#include "tests/bench/tester.h"
 #include "tests/loopback/browser.h"
+#include "tests/support/temporary_folder.h"
 
 namespace tribus::bench {
 namespace {
@@ -30,15 +31,9 @@ namespace {
 namespace fs = std::filesystem;
 using WebRefused = tl::unexpected<std::string>;
 
-constexpr auto kWebFramePeriod = std::chrono::microseconds(7700);
 constexpr std::uint64_t kFewRounds = 200;
 constexpr std::uint64_t kManyRounds = 1000;
 constexpr std::size_t kPagesOfABrowser = 4;
-
-std::vector<std::string> under_callgrind(const fs::path& counts) {
-    return {"valgrind", "--tool=callgrind", "--separate-threads=yes",
-            "--callgrind-out-file=" + counts.string()};
-}
 
 /// A page that reads its stream in a thread of its own.
 class Page {
@@ -69,22 +64,12 @@ class Page {
 /// A daemon on ptys, and `tribus-web` with pages before it. The pages end with the server.
 class Watched {
   public:
-    Watched() {
-        std::string name = fs::temp_directory_path() / "tribus-pages-XXXXXX";
-        if (::mkdtemp(name.data()) != nullptr) {
-            folder_ = name;
-            fs::create_directory(folder_ / "state");
-        }
-    }
+    Watched() { fs::create_directory(folder() / "state"); }
     Watched(const Watched&) = delete;
     Watched& operator=(const Watched&) = delete;
-    ~Watched() {
-        end_server();
-        std::error_code ignored;
-        fs::remove_all(folder_, ignored);
-    }
+    ~Watched() { end_server(); }
 
-    const fs::path& folder() const { return folder_; }
+    const fs::path& folder() const { return folder_.path(); }
     Subject& daemon() { return *daemon_; }
     Process& server() { return *server_; }
     const Page& page() const { return *pages_.front(); }
@@ -96,7 +81,7 @@ class Watched {
         settings.period = std::chrono::milliseconds(7);
         settings.environment = environment();
         settings.in_front = std::move(in_front);
-        auto started = started_daemon(1, settings);
+        auto started = carrying(Subject::appliance(1, settings));
         if (!started) {
             return WebRefused(started.error());
         }
@@ -105,10 +90,9 @@ class Watched {
     }
 
     tl::expected<void, std::string> start_server(std::vector<std::string> in_front) {
-        in_front.insert(
-            in_front.end(),
-            {TRIBUS_WEB, "serve", "--listen", "127.0.0.1:0", "--configurations", folder_.string(),
-             "--state", (folder_ / "state").string(), "--page", (folder_ / "page").string()});
+        in_front.insert(in_front.end(), {TRIBUS_WEB, "serve", "--listen", "127.0.0.1:0",
+                                         "--configurations", folder().string(), "--state",
+                                         folder_ / "state", "--page", folder_ / "page"});
         auto process = Process::execute(in_front, {}, environment());
         if (!process) {
             return WebRefused(process.error());
@@ -135,7 +119,7 @@ class Watched {
                 }
             }
             pages_.push_back(std::make_unique<Page>(
-                *browser, port_, "/api/" + folder_.filename().string() + "/stream?rate=10"));
+                *browser, port_, "/api/" + folder().filename().string() + "/stream?rate=10"));
             if (!frames_until([&] { return pages_.back()->events() > 0; })) {
                 return WebRefused(std::string("a page got no status"));
             }
@@ -153,13 +137,13 @@ class Watched {
   private:
     /// The daemon has its socket in the folder, and its name, whatever other daemons run here.
     std::vector<std::string> environment() const {
-        return {"RUNTIME_DIRECTORY=" + folder_.string()};
+        return {"RUNTIME_DIRECTORY=" + folder().string()};
     }
     bool errors_have(const std::string& text) {
         return server_->errors().find(text) != std::string::npos;
     }
     bool pair(test::Browser& browser) const {
-        web::PairingFolder pairing(folder_ / "state");
+        web::PairingFolder pairing(folder() / "state");
         const auto code = pairing.make_code(
             web::Role::look, std::chrono::duration_cast<web::WallTime>(
                                  std::chrono::system_clock::now().time_since_epoch()));
@@ -173,36 +157,24 @@ class Watched {
             if (monotonic_now() > end) {
                 return false;
             }
-            drive(*daemon_, {.period = kWebFramePeriod, .rounds = 1});
+            drive(*daemon_, {.period = kDaemonFramePeriod, .rounds = 1});
         }
         return true;
     }
 
-    fs::path folder_;
+    test::TemporaryFolder folder_;
     std::unique_ptr<Subject> daemon_;
     std::unique_ptr<Process> server_;
     int port_ = 0;
     std::list<std::unique_ptr<Page>> pages_;
 };
 
-/// What callgrind counted from the start of a program to its end.
-struct WebCounted {
-    std::uint64_t all = 0;
-    std::uint64_t main_thread = 0;
+/// What callgrind counted, and what came out meanwhile.
+struct WebCounted : CallgrindCounts {
     std::uint64_t frames = 0;
     std::uint64_t events = 0;
     std::size_t bytes = 0;
 };
-
-WebCounted web_counts_in(const fs::path& folder) {
-    WebCounted counted;
-    for (const auto& file : fs::directory_iterator(folder)) {
-        const std::uint64_t sum = callgrind_sum(file.path());
-        counted.all += sum;
-        counted.main_thread += file.path().filename() == "counts-01" ? sum : 0;
-    }
-    return counted;
-}
 
 enum class CountedProgram : std::uint8_t { daemon, server };
 
@@ -211,7 +183,7 @@ tl::expected<WebCounted, std::string> count_web(CountedProgram program, std::siz
     Watched watched;
     const fs::path counts = watched.folder() / "counts";
     fs::create_directory(counts);
-    const auto in_front = under_callgrind(counts / "counts");
+    const auto in_front = under_callgrind(counts);
     const std::vector<std::string> none;
     auto ready = watched.start_daemon(program == CountedProgram::daemon ? in_front : none);
     if (ready && pages > 0) {
@@ -225,7 +197,7 @@ tl::expected<WebCounted, std::string> count_web(CountedProgram program, std::siz
     }
     {
         const TesterPriority priority;
-        drive(watched.daemon(), {.period = kWebFramePeriod, .rounds = rounds});
+        drive(watched.daemon(), {.period = kDaemonFramePeriod, .rounds = rounds});
     }
     const std::uint64_t frames = watched.daemon().lane().counts().arrived;
     const std::uint64_t events = pages > 0 ? watched.page().events() : 0;
@@ -234,7 +206,7 @@ tl::expected<WebCounted, std::string> count_web(CountedProgram program, std::siz
         watched.daemon().process().end();
     }
     watched.end_server();
-    WebCounted counted = web_counts_in(counts);
+    WebCounted counted{callgrind_counts(counts)};
     if (counted.main_thread == 0) {
         return WebRefused(std::string("callgrind counted nothing"));
     }
@@ -259,7 +231,7 @@ tl::expected<Result, std::string> web_difference(CountedProgram program, std::si
 }  // namespace
 
 tl::expected<PagesInDaemon, std::string> daemon_with_pages(std::size_t pages) {
-    const std::chrono::duration<double> longer = kWebFramePeriod * (kManyRounds - kFewRounds);
+    const std::chrono::duration<double> longer = kDaemonFramePeriod * (kManyRounds - kFewRounds);
     return web_difference<PagesInDaemon>(
         CountedProgram::daemon, pages, [&](const WebCounted& few, const WebCounted& many) {
             const std::uint64_t main_thread = many.main_thread - few.main_thread;
@@ -291,7 +263,7 @@ tl::expected<double, std::string> web_memory(std::size_t pages) {
     if (!ready) {
         return WebRefused(ready.error());
     }
-    drive(watched.daemon(), {.period = kWebFramePeriod, .rounds = kFewRounds});
+    drive(watched.daemon(), {.period = kDaemonFramePeriod, .rounds = kFewRounds});
     const auto usage = usage_of(watched.server().id());
     return usage ? tl::expected<double, std::string>(static_cast<double>(usage->resident_bytes))
                  : WebRefused(std::string("tribus-web has ended"));

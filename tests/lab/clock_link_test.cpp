@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "app/bench/distribution.h"
-#include "app/bench/tester.h"
+#include "core/distribution.h"
+#include "tests/bench/tester.h"
 #include "tests/lab/guest.h"
 #include "tests/loopback/loopback.h"
 #include "tests/loopback/udp_socket.h"
@@ -27,7 +27,7 @@ constexpr int kFrames = 1000;
 constexpr int kWarmUpFrames = 100;
 constexpr int kFloodedFrames = 400;
 
-long in_microseconds(const bench::Distribution& times, double percent) {
+long in_microseconds(const Distribution& times, double percent) {
     return times.percentile(percent) / std::chrono::microseconds(1);
 }
 
@@ -100,11 +100,11 @@ TEST_F(LabLink, WithAKeyTakesAtMostATenthLongerThanWithout) {
             pair->carry(1200 + frame % 2 * 600);
         }
     }
-    const bench::Distribution without(std::move(plain.times));
-    const bench::Distribution with(std::move(keyed.times));
+    const Distribution without(std::move(plain.times));
+    const Distribution with(std::move(keyed.times));
     EXPECT_GT(without.size(), 800U);
     EXPECT_GT(with.size(), 800U);
-    EXPECT_LE(bench::ratio_of(with.percentile(50), without.percentile(50)), 1.1)
+    EXPECT_LE(ratio_of(with.percentile(50), without.percentile(50)), 1.1)
         << in_microseconds(with, 50) << " us with a key, " << in_microseconds(without, 50)
         << " us without";
 }
@@ -150,7 +150,7 @@ TEST_F(LabLink, FloodOfForgedDatagramsDelaysAnotherPipelineLittleMoreThanAFloodT
             std::this_thread::sleep_until(next += kPeriod);
             other.carry(1200 + frame % 2 * 600);
         }
-        return bench::Distribution(std::exchange(other.times, {}));
+        return Distribution(std::exchange(other.times, {}));
     };
     flood(nobody.port(), kWarmUpFrames);
     const auto elsewhere = flood(nobody.port(), kFloodedFrames);
@@ -158,7 +158,7 @@ TEST_F(LabLink, FloodOfForgedDatagramsDelaysAnotherPipelineLittleMoreThanAFloodT
     EXPECT_TRUE(program.says("input shore: forged")) << program.errors();
     EXPECT_EQ(elsewhere.size(), kFloodedFrames);
     EXPECT_EQ(flooded.size(), kFloodedFrames);
-    EXPECT_LT(bench::ratio_of(flooded.percentile(100), elsewhere.percentile(100)), 2)
+    EXPECT_LT(ratio_of(flooded.percentile(100), elsewhere.percentile(100)), 2)
         << in_microseconds(flooded, 100) << " us, to nobody " << in_microseconds(elsewhere, 100);
 }
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <tl/expected.hpp>
 
-#include "app/bench/distribution.h"
+#include "core/distribution.h"
 #include "tests/bench/response_times.h"
 
 /// The built program in a guest whose time is the number of executed instructions: an idle machine
@@ -36,9 +36,8 @@ TEST_F(LabResponse, LeavesWithinTheProvenWindowInNineHundredNinetyNineOfAThousan
 
 TEST_F(LabResponse, TakesLittleLongerThanAResponderThatOnlyReadsAndWrites) {
     const auto bare = times->bare.times.percentile(50);
-    EXPECT_LT(bench::ratio_of(times->at_once.times.percentile(50), bare), 1.25);
-    EXPECT_LT(bench::ratio_of(times->by_default.times.percentile(50) - kDefaultReplyAfter, bare),
-              1.25);
+    EXPECT_LT(ratio_of(times->at_once.times.percentile(50), bare), 1.25);
+    EXPECT_LT(ratio_of(times->by_default.times.percentile(50) - kDefaultReplyAfter, bare), 1.25);
 }
 
 }  // namespace

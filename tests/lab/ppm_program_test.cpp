@@ -7,11 +7,13 @@
 #include <iostream>
 #include <span>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tests/bench/ppm.h"
 #include "tests/lab/gpio_bank.h"
 #include "tests/lab/ppm_player.h"
 #include "tests/lab/recorded_receiver.h"
@@ -157,23 +159,28 @@ TEST_F(LabPpmProgram, OpensItsLineAgainWhenTheChipIsBack) {
     expect_clean_end(program);
 }
 
-TEST_F(LabPpmProgram, BenchMeasuresTheJitterOfALine) {
-    Program& bench = start({"bench", "--only", "ppm", "--line", "PPM", "--seconds", "3"});
+TEST_F(LabPpmProgram, JitterOfALineIsMeasured) {
+    tl::expected<bench::PpmResult, std::string> jitter;
+    std::thread reader([&] { jitter = bench::measure_ppm("PPM", 3s); });
     PpmPlayer player(bank_, 3);
     const Channels rest{1500, 1500, 1000, 1500, 1200, 1800, 1500, 1500};
-    for (int frame = 0; frame < 40 && bench.runs(); ++frame) {
+    for (int frame = 0; frame < 40; ++frame) {
         player.play(rest, 8000);
     }
-    EXPECT_EQ(bench.end(), 0) << bench.errors();
-    EXPECT_NE(bench.output().find("PPM at rest"), std::string::npos);
-    EXPECT_NE(bench.output().find("8 channels"), std::string::npos);
-    std::cout << bench.output();
+    reader.join();
+    ASSERT_TRUE(jitter) << jitter.error();
+    EXPECT_EQ(jitter->channels, kChannels);
+    for (const double percent : {50.0, 90.0, 99.0}) {
+        std::cout << "p" << percent << ": " << jitter->stamped.percentile(percent).count()
+                  << " ns, by the reader's clock " << jitter->bare.percentile(percent).count()
+                  << " ns\n";
+    }
 }
 
-TEST_F(LabPpmProgram, BenchSaysThatNoPulsesCame) {
-    Program& bench = start({"bench", "--only", "ppm", "--line", "PPM", "--seconds", "1"});
-    EXPECT_EQ(bench.end(), 1);
-    EXPECT_NE(bench.errors().find("PPM: no PPM came"), std::string::npos) << bench.errors();
+TEST_F(LabPpmProgram, JitterOfALineWithoutPulsesIsRefused) {
+    const auto jitter = bench::measure_ppm("PPM", 1s);
+    ASSERT_FALSE(jitter);
+    EXPECT_EQ(jitter.error().rfind("PPM: no PPM came", 0), 0U) << jitter.error();
 }
 
 TEST_F(LabPpmProgram, SaysWhoMayUseALine) {

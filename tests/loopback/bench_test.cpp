@@ -1,11 +1,12 @@
-#include <unistd.h>
+#include <poll.h>
 
 #include <algorithm>
+#include <atomic>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
-#include <regex>
 #include <string>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -15,29 +16,15 @@
 namespace tribus::test::bench_test {
 namespace {
 
-/// Returns the number of processes whose command line begins with the program under test.
-std::size_t programs_at_work() {
-    namespace fs = std::filesystem;
-    std::size_t count = 0;
-    for (const auto& process : fs::directory_iterator("/proc")) {
-        std::ifstream file(process.path() / "cmdline");
-        const std::string line{std::istreambuf_iterator<char>(file), {}};
-        const bool ours = line.starts_with("/proc/self/exe") && line.find("run") != line.npos;
-        count += ours ? 1U : 0U;
-    }
-    return count;
-}
-
 class Bench : public Loopback {};
 
-TEST_F(Bench, MeasuresInAShortTimeAndLeavesNoProcess) {
-    Program& program = start({"bench", "--seconds", "1", "--only", "codecs,latency"});
+TEST_F(Bench, MeasuresAllInAShortTime) {
+    Program& program = start({"bench", "--seconds", "1"});
     EXPECT_EQ(program.end(), 0) << program.errors();
     const std::string output = program.output();
-    EXPECT_EQ(count_of("p50 ", output), 1U) << output;
-    EXPECT_EQ(count_of("sbus decode", output), 1U) << output;
+    EXPECT_EQ(count_of("p50 ", output), 2U) << output;
+    EXPECT_EQ(count_of("\na frame ", output), 1U) << output;
     EXPECT_EQ(program.errors().find("\x1b"), std::string::npos) << "progress without a terminal";
-    EXPECT_EQ(programs_at_work(), 0U);
 }
 
 TEST_F(Bench, LosesNoFrame) {
@@ -50,11 +37,12 @@ TEST_F(Bench, LosesNoFrame) {
     });
     ASSERT_NE(lost, rows.end()) << json;
     EXPECT_EQ(lost->at("figure"), 0);
+    EXPECT_EQ(rows.size(), 4U) << json;
 }
 
 TEST_F(Bench, FailsWhereARequirementDoesNotHold) {
     Program& program =
-        start({"bench", "--seconds", "0.5", "--only", "latency", "--require", "p50=1us"});
+        start({"bench", "--seconds", "0.5", "--only", "cpu", "--require", "p50=1us"});
     EXPECT_EQ(program.end(), 1) << program.errors();
     EXPECT_EQ(count_of("p50=1us does not hold: the latency's p50 was ", program.output()), 1U);
 }
@@ -71,31 +59,64 @@ TEST_F(Bench, RefusesAMeasurementThatItDoesNotKnow) {
     EXPECT_EQ(count_of("did you mean \"latency\"?", program.errors()), 1U) << program.errors();
 }
 
-TEST_F(Bench, DrawsTheDistributions) {
-    const std::string plot = folder() / "plot.svg";
-    Program& program =
-        start({"bench", "--seconds", "0.5", "--only", "latency,lateness", "--plot", plot});
+/// What is written to the device `out` comes in on the device `in`.
+class Wire {
+  public:
+    Wire(FarEnd& out, FarEnd& in) : out_(out), in_(in), thread_([this] { carry(); }) {}
+    Wire(const Wire&) = delete;
+    Wire& operator=(const Wire&) = delete;
+    ~Wire() {
+        ends_ = true;
+        thread_.join();
+    }
+
+  private:
+    void carry() {
+        while (!ends_) {
+            pollfd wait{.fd = out_.descriptor(), .events = POLLIN, .revents = 0};
+            ::poll(&wait, 1, 20);
+            in_.send(out_.receive());
+        }
+    }
+
+    FarEnd& out_;
+    FarEnd& in_;
+    std::atomic<bool> ends_{false};
+    std::thread thread_;
+};
+
+TEST_F(Bench, MeasuresTwoWiredPorts) {
+    FarEnd& out = device("out");
+    FarEnd& in = device("in");
+    const Wire wire(out, in);
+    Program& program = start(
+        {"bench", "--seconds", "1", "--only", "latency,cpu", "--ports", in.path(), out.path()});
     EXPECT_EQ(program.end(), 0) << program.errors();
-    std::ifstream file(plot);
-    const std::string svg{std::istreambuf_iterator<char>(file), {}};
-    EXPECT_EQ(count_of("<polyline", svg), 5U) << svg;
+    EXPECT_EQ(count_of("p50 ", program.output()), 1U) << program.output();
 }
 
-TEST_F(Bench, EndsByCtrlCAndLeavesNoProcess) {
+TEST_F(Bench, SaysThatNoWireIsBetweenThePorts) {
+    const std::string out = device("out").path();
+    const std::string in = device("in").path();
+    Program& program = start({"bench", "--ports", in, out});
+    EXPECT_EQ(program.end(), 1);
+    EXPECT_EQ(
+        count_of("no frame that was written on " + out + " came in on " + in, program.errors()), 1U)
+        << program.errors();
+}
+
+TEST_F(Bench, EndsByCtrlC) {
     Program& program = start({"bench", "--seconds", "3000"});
-    ASSERT_TRUE(eventually([] { return programs_at_work() == 1; }));
+    const std::string tasks = "/proc/" + std::to_string(program.pid()) + "/task";
+    ASSERT_TRUE(eventually([&] {
+        return std::ranges::any_of(std::filesystem::directory_iterator(tasks), [](auto& task) {
+            std::string name;
+            return std::ifstream(task.path() / "comm") >> name && name == "tribus-data";
+        });
+    }));
     program.signal(SIGINT);
     EXPECT_EQ(program.end(), 130) << program.errors();
     EXPECT_EQ(count_of("interrupted\n", program.errors()), 1U) << program.errors();
-    EXPECT_EQ(programs_at_work(), 0U);
-}
-
-TEST_F(Bench, KilledOutrightLeavesNoProcessEither) {
-    Program& program = start({"bench", "--seconds", "3000"});
-    ASSERT_TRUE(eventually([] { return programs_at_work() == 1; }));
-    program.signal(SIGKILL);
-    EXPECT_TRUE(program.end());
-    EXPECT_TRUE(eventually([] { return programs_at_work() == 0; }));
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ const std::vector<Writes> kWrites{
      "\"$TRIBUS\" learn @main.toml:receiver --recording @loss.txt --off-at 6s --back-at 10s"},
     {"doctor", "\"$TRIBUS\" doctor"},
     {"dbc", "\"$TRIBUS\" dbc"},
-    {"bench", "\"$TRIBUS\" bench --only codecs --seconds 0.5"},
+    {"bench", "\"$TRIBUS\" bench --only lateness --seconds 0.5"},
     {"pwm", "\"$TRIBUS\" pwm"},
     {"schema", "\"$TRIBUS\" schema"},
     {"pair", "\"$TRIBUS\" pair --look --state @state"},

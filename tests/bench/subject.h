@@ -9,10 +9,10 @@
 
 #include <tl/expected.hpp>
 
-#include "app/bench/lane.h"
-#include "app/bench/process.h"
-#include "app/bench/relay.h"
 #include "core/time.h"
+#include "tests/bench/lane.h"
+#include "tests/bench/process.h"
+#include "tests/bench/relay.h"
 
 namespace tribus::bench {
 
@@ -62,10 +62,9 @@ class Subject {
     Process& process() { return process_; }
     std::optional<ProcessUsage> usage() const { return usage_of(process_.id()); }
 
-    /// Sends on each lane, each `interval`, until a frame has come out of every lane. The error
-    /// says why that fails.
-    tl::expected<void, std::string> wait_until_it_carries(
-        Duration interval = std::chrono::milliseconds(5));
+    /// Sends on each lane, every 7 ms, until a frame has come out of every lane. The error says why
+    /// that fails.
+    tl::expected<void, std::string> wait_until_it_carries();
 
     /// Discards what came out of the outputs after the first.
     void drain_further_outputs();
@@ -82,5 +81,9 @@ class Subject {
     std::vector<Pty> further_outputs_;
     Process process_;
 };
+
+/// Waits until frames come through. What it returns ends where the caller lets go of it; a
+/// parameter would live until the caller's expression ends, beside the next subject.
+tl::expected<Subject, std::string> carrying(tl::expected<Subject, std::string> started);
 
 }  // namespace tribus::bench

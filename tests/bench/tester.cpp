@@ -1,4 +1,4 @@
-#include "app/bench/tester.h"
+#include "tests/bench/tester.h"
 
 #include <fcntl.h>
 #include <pthread.h>
@@ -55,18 +55,6 @@ TesterPriority::~TesterPriority() {
     if (locked_) {
         ::munlockall();
     }
-}
-
-bool realtime_permitted(int priority) {
-    int policy = SCHED_OTHER;
-    sched_param old{};
-    ::pthread_getschedparam(::pthread_self(), &policy, &old);
-    const sched_param parameters{.sched_priority = priority};
-    const bool fifo = ::sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &parameters) == 0;
-    ::sched_setscheduler(0, policy, &old);
-    const bool locks = ::mlockall(MCL_CURRENT) == 0;
-    ::munlockall();
-    return fifo && locks;
 }
 
 int processor_count() {

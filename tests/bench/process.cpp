@@ -1,4 +1,4 @@
-#include "app/bench/process.h"
+#include "tests/bench/process.h"
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -46,11 +46,6 @@ void set_up_child(pid_t parent, int errors) {
 
 UniqueFd make_errors() {
     return UniqueFd(::memfd_create("errors", MFD_CLOEXEC));
-}
-
-std::string content_of(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
 }
 
 /// The number after `name` in a file with lines such as "VmRSS:   1234 kB".
@@ -173,23 +168,19 @@ std::string Process::errors() const {
     return text;
 }
 
+std::string content_of(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
 std::optional<ProcessUsage> usage_of(pid_t process) {
     constexpr std::size_t kKilobyte = 1024;
     const std::filesystem::path folder = "/proc/" + std::to_string(process);
-    const std::string stat = content_of(folder / "stat");
-    // The name in brackets may contain anything.
-    const std::size_t name_end = stat.rfind(')');
-    if (name_end == std::string::npos) {
+    const std::string status = content_of(folder / "status");
+    if (status.empty()) {
         return std::nullopt;
     }
-    std::istringstream fields(stat.substr(name_end + 1));
-    std::string skipped;
-    for (int field = 3; field < 10; ++field) {
-        fields >> skipped;
-    }
     ProcessUsage usage;
-    fields >> usage.minor_faults >> skipped >> usage.major_faults;
-    const std::string status = content_of(folder / "status");
     usage.resident_bytes = kilobytes(status, "VmRSS:") * kKilobyte;
     usage.anonymous_bytes = kilobytes(status, "RssAnon:") * kKilobyte;
     usage.locked_bytes = kilobytes(status, "VmLck:") * kKilobyte;

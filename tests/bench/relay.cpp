@@ -1,4 +1,4 @@
-#include "app/bench/relay.h"
+#include "tests/bench/relay.h"
 
 #include <fcntl.h>
 #include <poll.h>

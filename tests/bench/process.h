@@ -3,7 +3,7 @@
 #include <sys/types.h>
 
 #include <cstddef>
-#include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -52,11 +52,12 @@ class Process {
     std::optional<int> ended_;
 };
 
+/// What a file of /proc says; empty if there is none.
+std::string content_of(const std::filesystem::path& path);
+
 /// Resources of a process: some since its start, some at present.
 struct ProcessUsage {
     Duration processor_time{};  ///< of all its living threads
-    std::uint64_t minor_faults = 0;
-    std::uint64_t major_faults = 0;
     std::size_t resident_bytes = 0;
     std::size_t anonymous_bytes = 0;  ///< of the resident ones those that are of no file
     std::size_t locked_bytes = 0;

@@ -1,16 +1,16 @@
-#include "app/bench/lateness.h"
+#include "tests/bench/lateness.h"
 
 #include <pthread.h>
 #include <sys/mman.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <thread>
 #include <utility>
 #include <vector>
 
-#include "app/bench/stamping_link.h"
-#include "app/bench/tester.h"
 #include "config/build/build.h"
 #include "config/language/mistakes.h"
 #include "config/load.h"
@@ -18,6 +18,7 @@
 #include "pipelines/realtime/data_thread.h"
 #include "pipelines/realtime/loop.h"
 #include "pipelines/realtime/scheduling.h"
+#include "tests/bench/tester.h"
 
 namespace tribus::bench {
 namespace {
@@ -48,15 +49,30 @@ SchedulingSettings scheduling_of(const LatenessSettings& settings) {
 /// The first samples come from a thread that is not warmed up.
 constexpr std::size_t kWarmUp = 4;
 
-/// A deadline is a whole number of periods before the next one.
-Distribution lateness_of(const std::vector<StampingLink::Stamp>& stamps) {
-    std::vector<Duration> late;
-    for (std::size_t i = kWarmUp; i < stamps.size(); ++i) {
-        const Duration ahead = (stamps[i].due_next - stamps[i].at) % kGridPeriod;
-        late.push_back(kGridPeriod - ahead);
+/// Accepts every frame and notes how late it is. Allocates only in its constructor.
+class StampingLink final : public ByteLink {
+  public:
+    StampingLink(const Output& output, std::vector<Duration>& late, std::size_t most)
+        : output_(output), late_(late) {
+        late_.reserve(most);
     }
-    return Distribution(std::move(late));
-}
+    ReadStatus read(Reception&) override { return ReadStatus::nothing; }
+    WriteStatus write(std::span<const std::uint8_t>) override {
+        // The deadline was a whole number of periods before the next one.
+        const Duration ahead = (output_.due() - monotonic_now()) % kGridPeriod;
+        if (++frames_ > kWarmUp && late_.size() < late_.capacity()) {
+            late_.push_back(kGridPeriod - ahead);
+        }
+        return WriteStatus::written;
+    }
+    void discard_unread() override {}
+    int descriptor() const override { return -1; }
+
+  private:
+    const Output& output_;
+    std::vector<Duration>& late_;
+    std::size_t frames_ = 0;
+};
 
 Distribution bare_timer(const LatenessSettings& settings, Instant first, std::size_t periods) {
     std::vector<Duration> late;
@@ -82,15 +98,15 @@ tl::expected<LatenessResult, std::string> measure_lateness(const LatenessSetting
     }
     const auto periods = static_cast<std::size_t>(settings.length / kGridPeriod);
     const auto engine = build_engine(*configuration);
-    std::vector<StampingLink::Stamp> grid_stamps;
+    std::vector<Duration> grid;
     std::vector<PortWiring> wiring;
     std::vector<std::unique_ptr<Link>> links;
     for (const PortPlan& plan : plan_ports(*configuration)) {
         const bool is_output = first_of(plan.wiring.stations, StationKind::output).has_value();
         wiring.push_back(plan.wiring);
-        links.push_back(is_output ? std::make_unique<StampingLink>(engine->outputs().front(),
-                                                                   grid_stamps, periods)
-                                  : nullptr);
+        links.push_back(
+            is_output ? std::make_unique<StampingLink>(engine->outputs().front(), grid, periods)
+                      : nullptr);
     }
     Loop loop(*engine, std::move(wiring), std::move(links));
     if (auto prepared = loop.prepare(); !prepared) {
@@ -108,7 +124,7 @@ tl::expected<LatenessResult, std::string> measure_lateness(const LatenessSetting
     loop.request_end();
     thread.join();
     ::munlockall();
-    return LatenessResult{lateness_of(grid_stamps), std::move(bare)};
+    return LatenessResult{Distribution(std::move(grid)), std::move(bare)};
 }
 
 }  // namespace tribus::bench

@@ -5,7 +5,7 @@
 
 #include <tl/expected.hpp>
 
-#include "app/bench/distribution.h"
+#include "core/distribution.h"
 #include "core/time.h"
 
 namespace tribus::bench {

@@ -1,4 +1,4 @@
-#include "app/bench/age.h"
+#include "tests/bench/age.h"
 
 #include <poll.h>
 #include <sys/mman.h>
@@ -13,8 +13,8 @@
 
 #include <fmt/format.h>
 
-#include "app/bench/tester.h"
 #include "pipelines/realtime/clock.h"
+#include "tests/bench/tester.h"
 #include "transports/codecs/ibus/ibus.h"
 
 namespace tribus::bench {

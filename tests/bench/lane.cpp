@@ -1,4 +1,4 @@
-#include "app/bench/lane.h"
+#include "tests/bench/lane.h"
 
 #include <fcntl.h>
 #include <termios.h>

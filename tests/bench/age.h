@@ -4,9 +4,9 @@
 
 #include <tl/expected.hpp>
 
-#include "app/bench/distribution.h"
-#include "app/bench/subject.h"
+#include "core/distribution.h"
 #include "core/time.h"
+#include "tests/bench/subject.h"
 
 namespace tribus::bench {
 

@@ -1,11 +1,11 @@
-#include "app/bench/distribution.h"
+#include "core/distribution.h"
 
 #include <chrono>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-namespace tribus::bench::bench_distribution_test {
+namespace tribus::distribution_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -48,11 +48,5 @@ TEST(Ratio, ToNothingIsZero) {
     EXPECT_DOUBLE_EQ(ratio_of(microseconds(3), microseconds(4)), 0.75);
 }
 
-TEST(Median, IsTheMiddleOneOrTheMeanOfTheTwoMiddleOnes) {
-    EXPECT_DOUBLE_EQ(median_of({3, 100, 1}), 3);
-    EXPECT_DOUBLE_EQ(median_of({4, 1, 2, 100}), 3);
-    EXPECT_DOUBLE_EQ(median_of({}), 0);
-}
-
 }  // namespace
-}  // namespace tribus::bench::bench_distribution_test
+}  // namespace tribus::distribution_test

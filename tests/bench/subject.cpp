@@ -1,4 +1,4 @@
-#include "app/bench/subject.h"
+#include "tests/bench/subject.h"
 
 #include <sys/mman.h>
 #include <unistd.h>
@@ -10,8 +10,8 @@
 
 #include <fmt/format.h>
 
-#include "app/bench/tester.h"
 #include "pipelines/realtime/clock.h"
+#include "tests/bench/tester.h"
 #include "transports/links/unique_fd.h"
 
 namespace tribus::bench {
@@ -173,7 +173,7 @@ tl::expected<Subject, std::string> Subject::command(const std::vector<std::strin
     return Subject(std::move(*lanes), std::move(*process), {});
 }
 
-tl::expected<void, std::string> Subject::wait_until_it_carries(Duration interval) {
+tl::expected<void, std::string> Subject::wait_until_it_carries() {
     const Instant end = monotonic_now() + kPatience;
     Instant next = monotonic_now();
     std::vector<bool> carries(lanes_.size(), false);
@@ -186,7 +186,7 @@ tl::expected<void, std::string> Subject::wait_until_it_carries(Duration interval
             carries[i] = lanes_[i].receive() || carries[i];
             lanes_[i].send();
         }
-        next += interval;
+        next += std::chrono::milliseconds(7);
         sleep_until(next);
     }
     // Waits for frames that are still on their way.
@@ -228,6 +228,16 @@ std::uint64_t Subject::torn() const {
         torn += lane.counts().torn;
     }
     return torn;
+}
+
+tl::expected<Subject, std::string> carrying(tl::expected<Subject, std::string> started) {
+    if (!started) {
+        return started;
+    }
+    if (auto carries = started->wait_until_it_carries(); !carries) {
+        return tl::unexpected(carries.error());
+    }
+    return started;
 }
 
 }  // namespace tribus::bench

@@ -1,4 +1,4 @@
-#include "app/bench/ppm.h"
+#include "tests/bench/ppm.h"
 
 #include <poll.h>
 
@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "app/bench/tester.h"
 #include "core/edge_records.h"
 #include "pipelines/realtime/clock.h"
+#include "tests/bench/tester.h"
 #include "transports/codecs/ppm/ppm.h"
 #include "transports/links/pulse_line/pulse_line_medium.h"
 

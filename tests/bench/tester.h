@@ -39,9 +39,6 @@ class TesterPriority {
     bool locked_ = false;
 };
 
-/// True if the calling thread may use SCHED_FIFO at `priority` and lock memory.
-bool realtime_permitted(int priority);
-
 int processor_count();
 
 /// Sleeps until `instant`, on the clock of `monotonic_now`; a signal ends it early.

@@ -1,4 +1,4 @@
-#include "app/bench/latency.h"
+#include "tests/bench/latency.h"
 
 #include <sys/epoll.h>
 
@@ -6,8 +6,8 @@
 #include <array>
 #include <utility>
 
-#include "app/bench/tester.h"
 #include "pipelines/realtime/clock.h"
+#include "tests/bench/tester.h"
 #include "transports/links/unique_fd.h"
 
 namespace tribus::bench {
