@@ -8,10 +8,11 @@ set(lab_skipped 77)
 # A guest ends with ctest, however that ends.
 set(without_parent setpriv --pdeathsig KILL)
 
-# lab_add(GROUP LABELS PROCESSORS PROGRAM FILTER COMMAND...): the entry GROUP, which runs the program,
-# and an entry for each of its tests that the filter lets through, which only reports.
+# lab_add(GROUP LABELS PROCESSORS PROGRAM FILTER COMMAND...): the entry GROUP, which runs the
+# program, and an entry for each of its tests that the filter lets through, which only reports.
 function(lab_add group labels processors program filter)
-    add_test(${group} ${without_parent} "${lab_scripts}/run_group" "${lab_results}/${group}" ${ARGN})
+    add_test(${group} ${without_parent} "${lab_scripts}/run_group" "${lab_results}/${group}"
+        ${ARGN})
     set_tests_properties(${group} PROPERTIES FIXTURES_SETUP ${group} LABELS "${labels}"
         PROCESSORS ${processors} TIMEOUT ${lab_timeout} SKIP_RETURN_CODE ${lab_skipped} COST 100)
     if("${ARGN}" MATCHES "--systemd")
@@ -39,16 +40,16 @@ function(lab_add group labels processors program filter)
 endfunction()
 
 function(lab_group group label kernel program)
-    lab_add(${group} "lab;${label}" 2 "${program}" "*" "${lab_scripts}/run_guest" ${ARGN} "${kernel}"
-        "${lab_results}/${group}" ${lab_seconds} "${program}")
+    lab_add(${group} "lab;${label}" 2 "${program}" "*" "${lab_scripts}/run_guest" ${ARGN}
+        "${kernel}" "${lab_results}/${group}" ${lab_seconds} "${program}")
 endfunction()
 
 # The host's own kernel, if it has virtual CAN and this user may have a network of its own.
 execute_process(RESULT_VARIABLE without_can OUTPUT_QUIET ERROR_QUIET
     COMMAND unshare --net --mount sh -c "ip link add type vcan && ip link add type vxcan")
 
-# can_group(GROUP LONG|"" NUMBER PROGRAM FILTER): on the host's own kernel if it has virtual CAN, else in
-# a guest. Tests that need a machine of their own are skipped on the host's.
+# can_group(GROUP LONG|"" NUMBER PROGRAM FILTER): on the host's own kernel if it has virtual CAN,
+# else in a guest. Tests that need a machine of their own are skipped on the host's.
 function(can_group group long number program filter)
     string(TOLOWER "${long}" label)
     if(without_can)
