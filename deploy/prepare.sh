@@ -13,6 +13,12 @@ package_packages="dpkg-dev file gzip lintian"
 test_libraries="libgmock-dev libgtest-dev librapidcheck-dev"
 test_packages="$test_libraries apt-utils fish gpg gpg-agent gpgv groff-base python3 python3-canmatrix
     python3-jsonschema sigrok-cli systemd tshark zsh"
+# The first tier's tests on CAN (tests/lab): clients, and a kernel that is a program, which Debian
+# has for PCs only.
+test_packages="$test_packages can-utils iproute2 kmod mount"
+case $(dpkg --print-architecture) in
+    amd64 | i386) test_packages="$test_packages user-mode-linux" ;;
+esac
 # Packages that count instructions (tests/bench), on this processor and on an emulated one.
 bench_packages="g++-aarch64-linux-gnu qemu-user strace valgrind"
 # Packages of the laboratory (tests/lab): an emulator, and programs of the host for its guests.

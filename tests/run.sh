@@ -3,7 +3,7 @@
 #
 #   tests/run.sh [ARGUMENT...]         the first tier; arguments go to ctest: tests/run.sh -R Sbus
 #   tests/run.sh --all [PART...]       the second tier too, or these parts of it
-#   tests/run.sh --group GROUP...      groups of the laboratory (docs/laboratory.md), such as lab_can,
+#   tests/run.sh --group GROUP...      groups of the laboratory (docs/laboratory.md), such as lab_gpio,
 #                                      or suites, such as sim_tests.NeverStale
 #
 # Parts, in this order: first page peers fleet laboratory service repository tidy addresses threads simulation fuzz
@@ -65,7 +65,6 @@ programs_of() {
     echo "tribus installed_texts heap_trap_preload"
     for group in "$@"; do
         case $group in
-            lab_can_on_host) echo lab_can_tests ;;
             lab_*) echo "${group}_tests" ;;
         esac
     done

@@ -58,8 +58,8 @@ class PacedBus {
 };
 
 /// Two emulated SJA1000 controllers with Debian's own driver (kvaser_pci) on one bus, both up.
-/// Classic CAN, in a guest only. It does not show bus errors, bus-off or a bit rate on the wire
-/// (docs/laboratory.md, "CAN: what the drivers do").
+/// Classic CAN, in the emulator only. It does not show bus errors, bus-off or a bit rate on the
+/// wire (docs/laboratory.md, "CAN: what the drivers do").
 class ControllerPair {
   public:
     explicit ControllerPair(unsigned bits_per_second = 1'000'000,

@@ -33,14 +33,6 @@ TEST(LabCanDoctor, BusThatIsDownIsAProblem) {
     EXPECT_TRUE(has(result, "sudo ip link set vcan0 up")) << result.output;
 }
 
-TEST(LabCanDoctor, ControllerThatNeverRestartsIsAdvised) {
-    const ControllerPair pair(500'000, "restart-ms 0");
-    const ShellResult result = doctor(pair.near());
-    EXPECT_EQ(result.status, 0) << result.output;
-    EXPECT_TRUE(has(result, "500 kbit/s")) << result.output;
-    EXPECT_TRUE(has(result, "[can.no_restart]")) << result.output;
-}
-
 TEST(LabCanDoctor, ControllerInBusOffIsAProblem) {
     SlcanAdapter adapter;
     adapter.bus_off();

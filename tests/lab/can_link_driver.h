@@ -144,4 +144,16 @@ class LinkDriver {
     int wakes_ = 0;
 };
 
+/// Offers snapshots until one is accepted. Returns how long that took.
+inline Duration time_to_next_written(LinkDriver& driver) {
+    const Instant start = now();
+    EXPECT_TRUE(driver.run_until([&] { return driver.write() == WriteStatus::written; }));
+    return now() - start;
+}
+
+/// Records the time for the table of recovery times.
+inline void record(Duration time) {
+    testing::Test::RecordProperty("recovery_us", static_cast<int>(time / 1us));
+}
+
 }  // namespace tribus::test

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -199,22 +198,6 @@ TEST_F(SlcanFault, AdapterPulledOutAndPutBackEndsInFailsafeAndComesBack) {
 /// Log messages about an interface at the start, and their advice.
 class CanStartLog : public TwoPrograms {};
 
-TEST_F(CanStartLog, AdvisesToRestartAfterBusOff) {
-    const ControllerPair pair(500'000, "restart-ms 0");
-    const Program& sender = start_sender({.sender_interface = pair.near()});
-    EXPECT_TRUE(sender.says(pair.near() + ": can, up, 500 kbit/s"));
-    EXPECT_TRUE(sender.says("sends nothing until it is restarted by hand: `ip link set " +
-                            pair.near() + " down`, `ip link set " + pair.near() +
-                            " type can restart-ms 100`"));
-}
-
-TEST_F(CanStartLog, IsSilentAboutAControllerThatIsSetUpWell) {
-    const ControllerPair pair;
-    Program& sender = start_sender({.sender_interface = pair.near()});
-    EXPECT_TRUE(sender.says("restart-ms 100"));
-    EXPECT_EQ(count_of("warning", sender.errors()), 0U) << sender.errors();
-}
-
 TEST_F(CanStartLog, AdvisesAgainstALongQueue) {
     const PacedBus bus(500'000);
     shell("ip link set dev " + bus.near() + " txqueuelen 1000");
@@ -321,77 +304,6 @@ to = "servos"
     EXPECT_EQ(count_of("another node", near.errors() + far.errors()), 0U);
     expect_clean_end(near);
     expect_clean_end(far);
-}
-
-/// A node that sends without a pause, thousands of frames a second.
-class Flood {
-  public:
-    explicit Flood(const CanFrame& frame)
-        : frame_(frame), thread_([this](const std::stop_token& stop) { run(stop); }) {}
-    /// Waits until the node has sent `count` frames.
-    bool sent(std::uint64_t count) const {
-        return eventually([&] { return sent_ >= count; });
-    }
-
-  private:
-    void run(const std::stop_token& stop) {
-        RawCan node("vcan0");
-        while (!stop.stop_requested()) {
-            sent_ += node.send(frame_) == 0 ? 1 : 0;
-        }
-    }
-    CanFrame frame_;
-    std::atomic<std::uint64_t> sent_ = 0;
-    std::jthread thread_;
-};
-
-class Flooded : public TwoPrograms {
-  protected:
-    static constexpr milliseconds kTime{3000};
-
-    /// Checks that every good frame during the flood has the receiver's sticks. Returns their
-    /// number.
-    std::size_t count_good() {
-        std::size_t good = 0;
-        for (const SbusSight& sight : carry_for(kTime)) {
-            if (sight.good()) {
-                ++good;
-                EXPECT_TRUE(same_channels(sight, sbus_sight_of(sticks_with_first(1234))));
-            }
-        }
-        return good;
-    }
-    const VirtualBus bus_;
-};
-
-TEST_F(Flooded, ByForeignIdsControlGoesOnAndTheKernelKeepsThemAway) {
-    Program& sender = start_sender({});
-    Program& reader = start_reader({});
-    ASSERT_TRUE(carry_until_control());
-    const Flood flood(make_frame(0x100, {1, 2, 3, 4, 5, 6, 7, 8}));
-    const auto sender_before = sender.used_time();
-    const auto reader_before = reader.used_time();
-    EXPECT_GT(count_good(), 100U) << reader.errors();
-    EXPECT_TRUE(flood.sent(10'000));
-    EXPECT_LT(sender.used_time() - sender_before, kTime / 2);
-    EXPECT_LT(reader.used_time() - reader_before, kTime / 2);
-    expect_clean_end(sender);
-    expect_clean_end(reader);
-}
-
-TEST_F(Flooded, ByItsOwnIdsTheProgramNeverShowsWrongSticksAndComesBack) {
-    Program& sender = start_sender({});
-    Program& reader = start_reader({});
-    ASSERT_TRUE(carry_until_control());
-    {
-        const Flood flood(make_frame(0x302, {1, 2, 3, 4, 5, 6, 7, 8}));
-        count_good();
-        EXPECT_TRUE(flood.sent(10'000));
-    }
-    EXPECT_TRUE(carry_until_control()) << reader.errors();
-    EXPECT_TRUE(sender.says("another node sends frames with its ids"));
-    expect_clean_end(sender);
-    expect_clean_end(reader);
 }
 
 }  // namespace

@@ -43,48 +43,6 @@ TEST(LabCanSocket, SendsAWholeSnapshotAtOnceWhereTheBusHasNoRate) {
     EXPECT_EQ(driver.status().state, CanBusState::ready);
 }
 
-TEST(LabCanSocket, AControllerGetsTheFirstFrameAloneThenWholeSnapshotsEachWhenTheOneBeforeIsSent) {
-    const ControllerPair pair;
-    RawCan listener(pair.far());
-    const auto link = open_link(pair.near());
-    ASSERT_TRUE(link->interface().echo);
-    LinkDriver driver(*link);
-    EXPECT_EQ(driver.write(), WriteStatus::written);
-    EXPECT_EQ(driver.counts().sent, 1U);
-    EXPECT_EQ(driver.counts().confirmed, 0U);
-    EXPECT_EQ(driver.write(), WriteStatus::busy);
-    ASSERT_TRUE(driver.run_until([&] { return driver.counts().confirmed == kSnapshotFrames; }));
-    EXPECT_EQ(driver.write(), WriteStatus::written);
-    EXPECT_EQ(driver.counts().sent, 2 * kSnapshotFrames);
-    ASSERT_TRUE(driver.run_until([&] { return driver.counts().confirmed == 2 * kSnapshotFrames; }));
-    for (int number = 0; number < 2; ++number) {
-        for (const std::uint32_t id : kSnapshotIds) {
-            const auto sight = listener.receive();
-            ASSERT_TRUE(sight);
-            EXPECT_EQ(sight->frame.id, id);
-        }
-    }
-}
-
-// One frame a snapshot: the emulated bus has no rate, and two frames overrun the emulated receiver.
-TEST(LabCanSocket, AControllerCarriesAStreamWithoutLoss) {
-    const ControllerPair pair;
-    RawCan listener(pair.far());
-    const auto link = open_link(pair.near());
-    LinkDriver driver(*link);
-    const auto fates = driver.stream_for(1s, 1);
-    EXPECT_EQ(std::ranges::count(fates, WriteStatus::written), std::ssize(fates));
-    ASSERT_TRUE(driver.run_until([&] { return driver.counts().confirmed == fates.size(); }));
-    Instant latest{};
-    for (std::size_t number = 0; number < fates.size(); ++number) {
-        const auto sight = listener.receive();
-        ASSERT_TRUE(sight) << number;
-        EXPECT_GT(offered_at(sight->frame), latest);
-        latest = offered_at(sight->frame);
-    }
-    EXPECT_EQ(driver.counts().stalls, 0U);
-}
-
 TEST(LabCanSocket, OnAPacedBusOneSnapshotIsInTheQueueAtATime) {
     const PacedBus bus(125'000);
     RawCan listener(bus.far());
@@ -259,9 +217,6 @@ TEST(LabCanSocketOpening, RefusesFdWhereTheInterfaceHasNone) {
     const PacedBus bus(125'000);
     const std::string problem = open_problem(bus.near(), settings);
     EXPECT_NE(problem.find("mtu 72"), std::string::npos) << problem;
-    const ControllerPair pair;
-    const std::string controller_problem = open_problem(pair.near(), settings);
-    EXPECT_NE(controller_problem.find("fd on"), std::string::npos) << controller_problem;
 }
 
 TEST(LabCanSocketOpening, TakesAsManyFiltersAsTheKernelAndNoMore) {
@@ -288,20 +243,6 @@ TEST(LabCanSocketOpening, TakesAnInterfaceThatIsDownAndUsesItWhenItIsUp) {
     EXPECT_EQ(driver.write(), WriteStatus::written);
 }
 
-TEST(LabCanInterface, TellsWhatAControllerIsSetTo) {
-    const ControllerPair pair(250'000, "restart-ms 200");
-    const auto interface = query_can_interface(pair.near());
-    ASSERT_TRUE(interface) << interface.error();
-    EXPECT_EQ(interface->kind, "can");
-    EXPECT_EQ(interface->bit_rate, 250'000U);
-    EXPECT_EQ(interface->restart_ms, 200U);
-    EXPECT_EQ(interface->state, CanControllerState::active);
-    EXPECT_EQ(interface->mtu, 16U);
-    EXPECT_TRUE(interface->up);
-    EXPECT_TRUE(interface->lower_up);
-    EXPECT_TRUE(advice(*interface, true, false).empty());
-}
-
 TEST(LabCanInterface, AVirtualBusHasNoEcho) {
     const VirtualBus bus;
     const auto interface = query_can_interface(bus.name());
@@ -309,13 +250,6 @@ TEST(LabCanInterface, AVirtualBusHasNoEcho) {
     EXPECT_EQ(interface->kind, "vcan");
     EXPECT_FALSE(interface->echo);
     EXPECT_EQ(interface->mtu, 72U);
-}
-
-TEST(LabCanInterface, AControllerThatIsNotInBusOffCannotBeRestarted) {
-    const ControllerPair pair;
-    const auto answer = restart_can_interface(pair.near());
-    ASSERT_FALSE(answer);
-    EXPECT_NE(answer.error().find("not in bus-off"), std::string::npos) << answer.error();
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <thread>
 
 #include "tests/lab/recorded_receiver.h"
 
@@ -129,6 +130,8 @@ std::vector<SbusSight> TwoPrograms::carry_for(milliseconds time) {
         for (const SbusSight& sight : bank_.listen()) {
             all.push_back(sight);
         }
+        // The programs need the processor, of which a guest may have one only.
+        std::this_thread::sleep_for(milliseconds(1));
     }
     return all;
 }

@@ -19,7 +19,7 @@
 
 /// The built program between a bus and SBUS servos. A witness checks each frame at the servos: was
 /// it ever sent, how old is it, is it marked?
-namespace tribus::test::can_witness_test {
+namespace tribus::test::witness_bus_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -245,4 +245,4 @@ TEST_P(WitnessedBus, RingOfThreeOldSnapshotsIsNotObeyed) {
 }
 
 }  // namespace
-}  // namespace tribus::test::can_witness_test
+}  // namespace tribus::test::witness_bus_test
