@@ -149,6 +149,15 @@ TEST(Tidy, a_room_includes_only_rooms_before_it_in_the_list) {
     expect_rooms_in_order("app", "main.");
 }
 
+/// In the preset dev they are built without it.
+TEST(Tidy, tests_of_the_layers_below_do_not_run_the_program) {
+    expect_none(lines_of({"tests/unit/core", "tests/unit/transports", "tests/unit/pipelines"}),
+                "belongs to tests/unit/app or tests/loopback", [](const SourceLine& line) {
+                    return has_any(line.text, {"TRIBUS_PROGRAM", "tests/support/shell.h",
+                                               "tests/support/page_examples.h", "program_help.h"});
+                });
+}
+
 TEST(Tidy, no_line_is_longer_than_100_columns) {
     expect_none(lines_of({"core", "transports", "pipelines", "config", "app", "tests"}), "too long",
                 [](const SourceLine& line) {
