@@ -126,8 +126,8 @@ build_here() {
     fi
     # What is in build/ was configured by whoever built it.
     if [ "$folder" != build ] || [ $with_tests = ON ] || [ ! -e build/CMakeCache.txt ]; then
-        cmake -S . -B "$folder" -G Ninja -DCMAKE_BUILD_TYPE=Release \
-            -DTRIBUS_TESTS=$with_tests ${CI:+-DTRIBUS_WERROR=ON} "$@" >&2
+        cmake --preset release -B "$folder" -DTRIBUS_TESTS=$with_tests \
+            ${CI:+-DTRIBUS_WERROR=ON} "$@" >&2
     fi
     # shellcheck disable=SC2086 # a list of words
     cmake --build "$folder" --parallel "$(compilers)" --target $targets >&2

@@ -91,9 +91,8 @@ build() {
     tests=$1
     shift
     echo "Building tribus in $(pwd)/build (tests: $tests)" >&2
-    cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release -DTRIBUS_TESTS="$tests" \
-        ${CI:+-DTRIBUS_WERROR=ON} >&2
-    cmake --build build --parallel "$(compilers)" --target "$@" >&2
+    cmake --preset release -DTRIBUS_TESTS="$tests" ${CI:+-DTRIBUS_WERROR=ON} >&2
+    cmake --build --preset release --parallel "$(compilers)" --target "$@" >&2
 }
 
 # name_maintainer: sets DEBFULLNAME and DEBEMAIL, who answers for the package.

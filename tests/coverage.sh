@@ -10,7 +10,7 @@ install_packages $build_packages $test_packages gcovr
 suites="unit_tests property_tests capture_tests sim_tests machine_tests loopback_tests"
 cmake --preset coverage >&2
 # shellcheck disable=SC2086 # a list of words
-cmake --build build-coverage --target $suites >&2
+cmake --build --preset coverage --target $suites >&2
 
 find build-coverage -name '*.gcda' -delete
 failed=""
@@ -45,7 +45,7 @@ def row(name, files):
 
 
 def source(file):
-    """A header is found by the folder of its layer (the root's CMakeLists.txt)."""
+    """A header is found by the folder of its layer (deploy/cmake/layers.cmake)."""
     return re.sub(r"^build-coverage/layers/[^/]+/", "", file["filename"])
 
 

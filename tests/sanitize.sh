@@ -12,14 +12,13 @@ usage() {
     exit 2
 }
 
-case ${1:-} in
+preset=${1:-}
+case $preset in
     threads)
-        preset=sanitize-threads
         compiler=""
         suites="thread_tests loopback_tests"
         ;;
     addresses)
-        preset=sanitize
         compiler="clang-14 libclang-rt-14-dev llvm-14"
         suites="unit_tests property_tests capture_tests sim_tests machine_tests loopback_tests"
         ;;
@@ -33,8 +32,8 @@ filter=${1:-*}
 
 # shellcheck disable=SC2086,SC2154 # lists of words, from deploy/prepare.sh
 install_packages $build_packages $test_packages $compiler
-cmake --preset $preset >&2
-cmake --build build-$preset --target "$@" >&2
+cmake --preset "$preset" >&2
+cmake --build --preset "$preset" --target "$@" >&2
 
 reports=$PWD/build-$preset/reports
 rm -rf "$reports"

@@ -8,6 +8,7 @@
 
 #include "app/cli/exit_status.h"
 #include "app/cli/load_or_explain.h"
+#include "app/journal/journal.h"
 #include "app/journal/print_error.h"
 #include "config/check/warnings.h"
 #include "config/load.h"

@@ -2,7 +2,7 @@
 # Adds to the seeds in tests/fuzz/corpus:
 #     tests/fuzz/keep.sh [TARGET...]       what tests/fuzz/run.sh found
 #     tests/fuzz/keep.sh TARGET FILE...    these files, such as an input that broke a promise
-# The first form takes from build-sanitize/corpus only short inputs, and only as many as are needed
+# The first form takes from build-addresses/corpus only short inputs, and only as many as are needed
 # to reach the same code.
 set -eu
 . "$(dirname "$0")/seeds.sh"
@@ -20,7 +20,7 @@ fi
 
 cd "$(dirname "$0")/../.."
 longest=1024
-build=build-sanitize
+build=build-addresses
 # shellcheck disable=SC2046 # a list of words
 [ $# -gt 0 ] || set -- $(fuzz_targets)
 for target in "$@"; do

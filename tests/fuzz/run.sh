@@ -1,8 +1,8 @@
 #!/bin/sh
 # Looks for inputs that break a promise: tests/fuzz/run.sh [SECONDS] [TARGET...]
 # SECONDS is for each target (default 60). The address and undefined-behaviour sanitizers are on.
-# Inputs that break a promise are left in build-sanitize/found/TARGET, inputs that reach new code in
-# build-sanitize/corpus/TARGET, where the next run starts.
+# Inputs that break a promise are left in build-addresses/found/TARGET, inputs that reach new code in
+# build-addresses/corpus/TARGET, where the next run starts.
 . "$(dirname "$0")/seeds.sh"
 cd "$(dirname "$0")/../.."
 . deploy/prepare.sh
@@ -12,10 +12,10 @@ seconds=${1:-60}
 # llvm-14 translates addresses into lines.
 # shellcheck disable=SC2086,SC2154 # lists of words, from deploy/prepare.sh
 install_packages $build_packages $test_libraries clang-14 libclang-rt-14-dev llvm-14
-cmake --preset sanitize >&2
+cmake --preset addresses >&2
 # shellcheck disable=SC2046 # a list of words
 [ $# -gt 0 ] || set -- $(fuzz_targets)
-build=build-sanitize
+build=build-addresses
 for target in "$@"; do
     cmake --build $build --target fuzz_"$target" >&2
 done

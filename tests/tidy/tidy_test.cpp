@@ -6,10 +6,14 @@
 #include <initializer_list>
 #include <iterator>
 #include <regex>
+#include <set>
 #include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "tests/support/shell.h"
+#include "tests/support/temporary_folder.h"
 
 /// Rules of the house that no tool knows.
 namespace tribus::test::tidy_test {
@@ -145,6 +149,15 @@ TEST(Tidy, a_room_includes_only_rooms_before_it_in_the_list) {
     expect_rooms_in_order("app", "main.");
 }
 
+/// In the preset dev they are built without it.
+TEST(Tidy, tests_of_the_layers_below_do_not_run_the_program) {
+    expect_none(lines_of({"tests/unit/core", "tests/unit/transports", "tests/unit/pipelines"}),
+                "belongs to tests/unit/app or tests/loopback", [](const SourceLine& line) {
+                    return has_any(line.text, {"TRIBUS_PROGRAM", "tests/support/shell.h",
+                                               "tests/support/page_examples.h", "program_help.h"});
+                });
+}
+
 TEST(Tidy, no_line_is_longer_than_100_columns) {
     expect_none(lines_of({"core", "transports", "pipelines", "config", "app", "tests"}), "too long",
                 [](const SourceLine& line) {
@@ -222,6 +235,57 @@ TEST(Tidy, a_file_of_tests_has_a_namespace_of_its_own_name) {
             << entry.path() << ": namespace tribus::" << name;
     }
     EXPECT_GT(seen, 200U);
+}
+
+/// Relative to the project. Of files for two versions of a library one is compiled: they have one
+/// name.
+std::string name_of_source(const fs::path& source) {
+    const std::regex for_a_version("(.+)_v[0-9]+[.]cpp");
+    const std::string name = source.lexically_relative(TRIBUS_SOURCE_DIR).string();
+    return std::regex_replace(name, for_a_version, "$1");
+}
+
+/// Configures the preset dev in a folder of its own and returns the sources that have a command
+/// there.
+std::set<std::string> sources_with_a_command() {
+    const TemporaryFolder folder;
+    const Ended configured = run_in_shell("cd '" TRIBUS_SOURCE_DIR "' && cmake --preset dev -B '" +
+                                          folder.path().string() + "'");
+    EXPECT_EQ(configured.status, 0) << configured.output;
+    std::ifstream commands(folder / "compile_commands.json");
+    const std::regex entry("  \"file\": \"(.+)\",?");
+    std::set<std::string> found;
+    std::smatch matched;
+    for (std::string line; std::getline(commands, line);) {
+        if (std::regex_match(line, matched, entry)) {
+            found.insert(name_of_source(matched[1].str()));
+        }
+    }
+    return found;
+}
+
+/// What editors know of a source is the command that compiles it by itself.
+TEST(Tidy, every_source_has_a_command_of_its_own_in_dev) {
+    const std::set<std::string> commanded = sources_with_a_command();
+    std::size_t seen = 0;
+    for (const char* folder : {"core", "transports", "pipelines", "config", "app", "tests"}) {
+        for (const auto& entry :
+             fs::recursive_directory_iterator(fs::path(TRIBUS_SOURCE_DIR) / folder)) {
+            if (entry.path().extension() == ".cpp") {
+                ++seen;
+                EXPECT_TRUE(commanded.contains(name_of_source(entry.path())))
+                    << entry.path() << ": no target compiles it by itself";
+            }
+        }
+    }
+    EXPECT_GT(seen, 1000U);
+}
+
+TEST(Tidy, the_top_list_of_the_build_has_at_most_200_lines) {
+    std::ifstream file(std::string(TRIBUS_SOURCE_DIR) + "/CMakeLists.txt");
+    const auto lines = std::count(std::istreambuf_iterator<char>(file), {}, '\n');
+    EXPECT_GT(lines, 50);
+    EXPECT_LE(lines, 200) << "what is machinery goes to deploy/cmake";
 }
 
 TEST(Tidy, no_source_file_is_longer_than_400_lines) {

@@ -33,7 +33,7 @@ struct PairOptions {
 int list(const PairingFolder& folder) {
     const auto sessions = folder.sessions();
     if (!sessions) {
-        return fail(sessions.error(), kExitFailed);
+        return complain(sessions.error(), kExitFailed);
     }
     if (sessions->empty()) {
         fmt::print("no browser is paired; `sudo tribus pair` prints a code\n");
@@ -50,17 +50,17 @@ int close_if_unused(const PairingFolder& folder, const PairOptions& options, Wal
     const PageFolder page{options.configurations, options.state};
     const auto taken = folder.close_if_unused(now, [&] { return page.take_back(); });
     return taken ? kExitFine
-                 : fail("the page still may write there: " + taken.error(), kExitFailed);
+                 : complain("the page still may write there: " + taken.error(), kExitFailed);
 }
 
 int revoke(PairingFolder& folder, const PairOptions& options, WallTime now) {
     const std::string& name = *options.revoke;
     const auto gone = folder.revoke(name);
     if (!gone) {
-        return fail(gone.error(), kExitFailed);
+        return complain(gone.error(), kExitFailed);
     }
     if (*gone == 0) {
-        return fail(
+        return complain(
             fmt::format("no paired browser is called {}; `tribus pair --list` names them", name),
             kExitFailed);
     }
@@ -88,11 +88,11 @@ int run(const PairOptions& options) {
     const auto code = options.look ? folder.make_code(Role::look, now)
                                    : folder.make_code(Role::change, now, give);
     if (!given) {
-        return fail("the page cannot be allowed to write there: " + given.error(), kExitFailed);
+        return complain("the page cannot be allowed to write there: " + given.error(), kExitFailed);
     }
     if (!code) {
-        return fail(code.error() + "; use sudo, and install the package that has tribus-web",
-                    kExitFailed);
+        return complain(code.error() + "; use sudo, and install the package that has tribus-web",
+                        kExitFailed);
     }
     if (const int closed = options.look ? close_if_unused(folder, options, now) : kExitFine;
         closed != kExitFine) {
