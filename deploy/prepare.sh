@@ -13,6 +13,8 @@ package_packages="dpkg-dev file gzip lintian"
 test_libraries="libgmock-dev libgtest-dev librapidcheck-dev"
 test_packages="$test_libraries apt-utils fish gpg gpg-agent gpgv groff-base python3 python3-canmatrix
     python3-jsonschema sigrok-cli systemd tshark zsh"
+# Packages that make mutations (tests/mutation).
+mutation_packages="libclang-common-14-dev python3-clang-14"
 # Packages that count instructions (tests/bench), on this processor and on an emulated one.
 bench_packages="g++-aarch64-linux-gnu qemu-user strace valgrind"
 # Packages of the laboratory (tests/lab): an emulator, and programs of the host for its guests.
