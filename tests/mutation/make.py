@@ -164,6 +164,12 @@ class Finder:
         if re.search(r"\b(constexpr|constinit)\b", head):
             self.count_fixed(children, function)
             return
+        owner = cursor.semantic_parent
+        if cursor.kind == CursorKind.FIELD_DECL and owner.kind == CursorKind.STRUCT_DECL and not any(
+                each.kind == CursorKind.CONSTRUCTOR for each in owner.get_children()):
+            # Each source that makes one compiles the value for itself.
+            self.count_fixed(children, function)
+            return
         function = function or f"{cursor.semantic_parent.spelling}::{cursor.spelling}"
         # The compiler makes objects of classes whose members have values in the class.
         self.visit_all(children, function, constexpr or cursor.kind == CursorKind.FIELD_DECL)

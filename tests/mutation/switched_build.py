@@ -335,9 +335,8 @@ class SwitchedBuild:
                 if self.archive_of.get(made) in archives and made not in own]
         words = [self.objects.get(word, word) for word in words]
         words[words.index("-o") + 1] = str(output)
-        at = words.index("-o")
         # The first definition counts.
-        words[at:at] = [*extra, *self.alone_objects, *ours, "-Wl,-z,muldefs,--gc-sections"]
+        words[1:1] = [*extra, *self.alone_objects, *ours, "-Wl,-z,muldefs,--gc-sections"]
         self.must_run(words)
 
     def must_run(self, words):

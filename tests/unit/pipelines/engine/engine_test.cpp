@@ -21,6 +21,14 @@ TEST(EngineFailsafe, before_the_first_good_frame_an_output_is_in_failsafe) {
     EXPECT_EQ(frame.raw[0], 992);
 }
 
+TEST(EngineFailsafe, an_output_without_inputs_says_that_all_is_good) {
+    Bench bench({}, list(sbus_output({})));
+    const SbusFrame frame = bench.said(at(50ms));
+    EXPECT_FALSE(frame.failsafe);
+    EXPECT_FALSE(frame.frame_lost);
+    EXPECT_EQ(bench.engine().outputs()[0].latest().cause, LinkCause::good);
+}
+
 TEST(EngineFailsafe, the_first_good_frame_gives_control_at_once) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     bench.ibus(0, at(15ms), us(1100));
