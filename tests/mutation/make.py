@@ -38,6 +38,9 @@ FOR_THE_COMPILER = {CursorKind.STATIC_ASSERT, CursorKind.ENUM_DECL, CursorKind.T
 REFERENCES = {CursorKind.DECL_REF_EXPR, CursorKind.MEMBER_REF_EXPR}
 CASTS = {CursorKind.CXX_STATIC_CAST_EXPR, CursorKind.CXX_REINTERPRET_CAST_EXPR,
          CursorKind.CXX_CONST_CAST_EXPR, CursorKind.CXX_DYNAMIC_CAST_EXPR}
+LOOPS = {CursorKind.FOR_STMT, CursorKind.WHILE_STMT, CursorKind.DO_STMT,
+         CursorKind.CXX_FOR_RANGE_STMT}
+CASES = {CursorKind.CASE_STMT, CursorKind.DEFAULT_STMT}
 JUMPS = {CursorKind.BREAK_STMT: "break", CursorKind.CONTINUE_STMT: "continue"}
 
 
@@ -65,6 +68,10 @@ def read(path):
     return path.read_bytes().decode("latin-1")
 
 
+def last_child(cursor):
+    return ([None] + list(cursor.get_children()))[-1]
+
+
 def without_comments(text):
     return COMMENT.sub(" ", text)
 
@@ -80,6 +87,8 @@ class Finder:
         self.text = read(path)
         self.file = file
         self.found = {}
+        # Jumps to where control goes anyway.
+        self.idle = set()
         # Numbers that the compiler must know.
         self.fixed_numbers = 0
         self.line_starts = [0] + [match.end() for match in re.finditer("\n", self.text)]
@@ -123,8 +132,11 @@ class Finder:
             self.visit_all(cursor.get_children(), function, constexpr)
             for each in body:
                 self.visit_returns(each, (function, constexpr), not self.returns_a_value(each))
-        elif kind == CursorKind.CASE_STMT:
-            self.visit_all(list(cursor.get_children())[1:], function, constexpr)
+        elif kind in CASES:
+            # Not the constant. A case of a case has the statement.
+            for each in list(cursor.get_children())[-1:]:
+                self.leave_out(each, (function, constexpr))
+                self.visit(each, function, constexpr)
         elif kind == CursorKind.PARM_DECL:
             return
         else:
@@ -197,7 +209,7 @@ class Finder:
 
     def visit_returns(self, body, context, returns_nothing):
         """Without an early return, control must come to the last one."""
-        last = ([None] + list(body.get_children()))[-1]
+        last = last_child(body)
         if last is None or not (returns_nothing or last.kind == CursorKind.RETURN_STMT):
             return
         todo = [each for each in body.get_children() if each != last or returns_nothing]
@@ -227,18 +239,34 @@ class Finder:
                 self.visit_all(children[1:], function, constexpr)
                 return
             self.negate(cursor, children, context)
+        self.note_idle_jump(kind, children)
         if kind == CursorKind.COMPOUND_STMT:
             for each in children:
-                if (each.kind.is_expression() and each.kind != CursorKind.PAREN_EXPR and
-                        not re.match(r"static_cast<void>|\(void\)", self.of(each))):
-                    self.add_statement("expression", each, context)
-                elif each.kind in JUMPS:
-                    self.add_statement(JUMPS[each.kind], each, context)
+                self.leave_out(each, context)
         if kind in REFERENCES:
             children = [each for each in children if not self.is_number(each)]
         elif kind in CASTS or any(each.kind == CursorKind.TEMPLATE_REF for each in children):
             children = children[-1:]
         self.visit_all(children, function, constexpr)
+
+    def leave_out(self, statement, context):
+        kind = statement.kind
+        if (kind.is_expression() and kind != CursorKind.PAREN_EXPR and
+                not re.match(r"static_cast<void>|\(void\)", self.of(statement))):
+            self.add_statement("expression", statement, context)
+        elif kind in JUMPS and self.span(statement) not in self.idle:
+            self.add_statement(JUMPS[kind], statement, context)
+
+    def note_idle_jump(self, kind, children):
+        """The last one of a switch or of a loop."""
+        jump = CursorKind.BREAK_STMT if kind == CursorKind.SWITCH_STMT else \
+            CursorKind.CONTINUE_STMT if kind in LOOPS else None
+        for body in children if jump else []:
+            last = last_child(body)
+            while last is not None and last.kind in CASES:
+                last = last_child(last)
+            if body.kind == CursorKind.COMPOUND_STMT and last is not None and last.kind == jump:
+                self.idle.add(self.span(last))
 
     def is_number(self, cursor):
         return NUMBER.match(self.of(cursor)) is not None

@@ -83,6 +83,17 @@ class Makes(unittest.TestCase):
         self.assertEqual(instead_of(text, "statement"), [])
         self.assertEqual(instead_of("int f() { return 1; }", "statement"), [])
 
+    def test_no_jump_left_out_that_goes_where_control_goes_anyway(self):
+        text = "void f(int a) { switch (a) { case 1: a = 2; break; default: a = 3; break; } }"
+        self.assertEqual(instead_of(text, "statement"),
+                         [("a = 2;", ""), ("break;", ""), ("a = 3;", "")])
+        text = "void f(int a) { while (a > 3) { if (a == 4) { break; } continue; } }"
+        self.assertEqual(instead_of(text, "statement"), [("break;", "")])
+
+    def test_no_values_of_members_that_each_source_compiles_for_itself(self):
+        self.assertEqual(instead_of("struct S { int x = 3; };"), [])
+        self.assertEqual(len(instead_of("struct S { S(); int x = 3; };")), 2)
+
     def test_conditions_negated(self):
         text = "int f(int a) { return a > 3 ? 1 : 2; }"
         self.assertEqual(instead_of(text, "condition"), [("a > 3", "!(a > 3)")])

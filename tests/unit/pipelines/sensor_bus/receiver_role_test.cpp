@@ -207,6 +207,7 @@ TEST_F(ReceiverRoleAtAWire, AsksTheFirstOneNextAfterTheLossOfTheLast) {
     EXPECT_EQ(asked(10), "81 91 82 92 83 93 84 a1 a2 a3");
     unplug(3);
     EXPECT_EQ(asked(8), "a1 a2 a3 a3 83 a1 a2 a1");
+    EXPECT_EQ(role_->counts().lost_sensors, 1U);
 }
 
 TEST_F(ReceiverRoleAtAWire, KeepsWhatASensorSaysWhileOneBeforeItIsSoughtAgain) {

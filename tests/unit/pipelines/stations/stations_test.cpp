@@ -155,6 +155,7 @@ TEST(StationOfADroneCanNode, SendsWhatTheNodeSays) {
     stations.start(at(0ms));
     stations.poll(at(2s));
     EXPECT_FALSE(stations.take({StationKind::dronecan_node, 0}, at(2s)).empty());
+    EXPECT_FALSE(stations.uses_fd({StationKind::dronecan_node, 0}));
 }
 
 }  // namespace
