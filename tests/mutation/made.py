@@ -350,7 +350,7 @@ def main():
     say(f"{len(found)} mutations of {len(campaign.texts)} files, {time.time() - begin:.0f} s")
     chosen = campaign.choose(found)
     if asked.list:
-        for mutation in chosen:
+        for mutation in chosen[:asked.count]:
             print(f"{mutation.file}:{mutation.line} {mutation.key} {mutation.kind} "
                   f"{mutation.function}")
             print(make.difference(campaign.texts[mutation.file], mutation))
