@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Breaks tribus by mutations that are made (make.py), and finds out which of them no test notices.
 
 Called by run.sh, which describes the arguments. Exit status 1 if a mutation survived, 2 if none
@@ -10,6 +10,7 @@ import collections
 import concurrent.futures
 import dataclasses
 import json
+import multiprocessing
 import os
 import pathlib
 import random
@@ -116,9 +117,18 @@ class Campaign:
         files = list(lines) if lines is not None else \
             [file for folder in self.asked.folder for file in product_files(folder)]
         of_files = {}
-        with concurrent.futures.ProcessPoolExecutor(self.asked.jobs) as pool:
-            for of_source in [pool.submit(make.find, *each) for each in self.build.find(files)]:
-                of_files |= of_source.result()
+        not_looked = 0
+        until = self.at(0.3)
+        with multiprocessing.Pool(self.asked.jobs) as pool:
+            waiting = [(each, pool.apply_async(make.find, each))
+                       for each in self.build.find(files)]
+            for (_, _, paths), result in waiting:
+                try:
+                    of_files |= result.get(max(until - time.time(), 0) if until else None)
+                except multiprocessing.TimeoutError:
+                    not_looked += len(paths)
+        if not_looked:
+            say(f"No time to look for mutations in {not_looked} files")
         found = []
         for file, (mutations, fixed) in sorted(of_files.items()):
             self.texts[file] = make.read(self.build.root / file)

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """What make.py makes of a small source: python3 tests/mutation/make_test.py"""
 
 import os
