@@ -19,6 +19,8 @@ test_packages="$test_packages can-utils iproute2 kmod mount"
 case $(dpkg --print-architecture) in
     amd64 | i386) test_packages="$test_packages user-mode-linux" ;;
 esac
+# Packages that make mutations (tests/mutation).
+mutation_packages="libclang-common-14-dev python3-clang-14"
 # Packages that count instructions (tests/bench), on this processor and on an emulated one.
 bench_packages="g++-aarch64-linux-gnu qemu-user strace valgrind"
 # Packages of the laboratory (tests/lab): an emulator, and programs of the host for its guests.

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <variant>
@@ -102,6 +104,23 @@ TEST(DroneCanNode, SaysEachSecondThatItIsThere) {
     // uptime first.
     EXPECT_EQ(said[0], frames_from(0x1801552A, {"00000000000000C0"})[0]);
     EXPECT_EQ(said[2], frames_from(0x1801552A, {"02000000000000C2"})[0]);
+}
+
+TEST(DroneCanNode, WantsWhatIsAddressedToItAndWhatOthersSendUnderItsId) {
+    const Node node(node_42());
+    const auto wants = [&](const CanFrame& frame) {
+        return std::ranges::any_of(node.wanted(),
+                                   [&](const CanIdMatch& ids) { return ids.matches(frame); });
+    };
+    const auto request_to = [](NodeId id) {
+        return frames_of_transfer(
+            {.source = kTool, .destination = id, .priority = 17, .transfer_id = 0},
+            GetNodeInfo::Request{})[0];
+    };
+    EXPECT_TRUE(wants(request_to(42)));
+    EXPECT_FALSE(wants(request_to(43)));
+    EXPECT_TRUE(wants(frames_of_message(NodeStatus{}, 42, 0)[0]));
+    EXPECT_FALSE(wants(frames_of_message(NodeStatus{}, 43, 0)[0]));
 }
 
 TEST(DroneCanNode, WarnsWhereItsOutputsHaveLostTheirInputs) {
@@ -244,6 +263,19 @@ TEST(DroneCanNode, TellsWhatItCounts) {
     EXPECT_EQ(answer.can_iface_stats[0].errors, 9U);
 }
 
+TEST(DroneCanNode, CountsATransferWithADamagedByte) {
+    NodeOnBus bus = started(node_42());
+    auto frames =
+        frames_of_transfer({.source = 99, .destination = 42, .priority = 17, .transfer_id = 3},
+                           parameter_named("uavcan.pubp-RCInput"));
+    ASSERT_GE(frames.size(), 3U);
+    frames[1].data[0] ^= 1U;
+    bus.hear(frames);
+    const auto answer =
+        message_of_frames<GetTransportStats::Response>(bus.ask(GetTransportStats::Request{}));
+    EXPECT_EQ(answer.transfer_errors, 1U);
+}
+
 TEST(DroneCanNode, FallsSilentWhereAnotherNodeHasItsIdUntilThatIsGoneFor5Seconds) {
     NodeOnBus bus = started(node_42());
     EXPECT_EQ(bus.node().identity().id, 42);
@@ -355,6 +387,28 @@ TEST(DroneCanNodeWithoutId, LetsAnotherCandidateGoFirst) {
         bus.hear(frames_of_message(answer_of(0, 6), kNobody, static_cast<std::uint8_t>(i % 32)));
         EXPECT_TRUE(bus.run(milliseconds(500)).empty());
     }
+}
+
+TEST(DroneCanNodeWithoutId, BeginsAnewWhereItsWholeUniqueIdIsConfirmedWithoutAnId) {
+    AllocationClient client(kUniqueId, kNobody, 1);
+    client.start(kStart);
+    client.take(answer_of(0, 16), 1, kStart);
+    const Allocation request = client.run(client.due());
+    EXPECT_TRUE(request.first_part_of_unique_id);
+    ASSERT_EQ(request.unique_id.size(), 6U);
+    EXPECT_EQ(request.unique_id[0], kUniqueId[0]);
+}
+
+TEST(DroneCanNodeWithoutId, PausesForAnotherTimeBeforeEachRequest) {
+    AllocationClient client(kUniqueId, kNobody, 1);
+    client.start(kStart);
+    std::set<Duration> pauses;
+    for (int i = 0; i < 20; ++i) {
+        const Instant now = client.due();
+        EXPECT_TRUE(client.run(now).first_part_of_unique_id) << "nobody answered";
+        pauses.insert(client.due() - now);
+    }
+    EXPECT_EQ(pauses.size(), 20U);
 }
 
 TEST(DroneCanNodeWithoutId, AsksForAnotherWhereANodeHasTheSame) {

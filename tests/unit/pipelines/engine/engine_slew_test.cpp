@@ -106,6 +106,21 @@ TEST(SlewOfAnOutput, goes_on_after_silence_from_what_a_changeover_had_reached) {
     EXPECT_LE(first->frame.raw[0] - (first - 1)->frame.raw[0], silent_ms * 8 / 5 + 1);
 }
 
+TEST(GlideAfterAChangeover, does_not_slow_presets) {
+    OutputSettings output = sbus_output({0, 1}, {.hold = 0ms, .recover = 0ms});
+    output.selection.changeover_us_per_second = 10;
+    Bench bench(list(sbus_input(), sbus_input()), list(std::move(output)));
+    stick(bench, 0, at(1ms), at(1s), 1000);
+    stick(bench, 1, at(3ms), at(1500ms), 2000);
+    EXPECT_LT(bench.said(at(1500ms)).raw[0], raw_of(1010)) << "on its way to 2000 us";
+    const auto& seen = bench.seen();
+    bench.said(at(2s));
+    const auto preset = std::ranges::find_if(
+        seen, [](const Seen& each) { return each.at > at(1500ms) && each.frame.failsafe; });
+    ASSERT_NE(preset, seen.end());
+    EXPECT_EQ(preset->frame.raw[0], raw_of(1500));
+}
+
 TEST(GlideAfterAChangeover, is_not_lost_in_held_values_by_a_reload_in_failsafe) {
     const auto with_trim = [](int trim_us) {
         OutputSettings output =

@@ -21,6 +21,22 @@ TEST(EngineFailsafe, before_the_first_good_frame_an_output_is_in_failsafe) {
     EXPECT_EQ(frame.raw[0], 992);
 }
 
+TEST(EngineFailsafe, a_frame_that_a_rule_takes_for_failsafe_counts_as_one) {
+    Bench bench(list(ibus_input({{.channel = 2, .below = us(950)}})), list(sbus_output({0})));
+    bench.ibus(0, at(5ms), us(1500), us(1000));
+    EXPECT_EQ(bench.engine().inputs()[0].counts().failsafe_frames, 0U);
+    bench.ibus(0, at(15ms), us(1500), us(940));
+    EXPECT_EQ(bench.engine().inputs()[0].counts().failsafe_frames, 1U);
+}
+
+TEST(EngineFailsafe, an_output_without_inputs_says_that_all_is_good) {
+    Bench bench({}, list(sbus_output({})));
+    const SbusFrame frame = bench.said(at(50ms));
+    EXPECT_FALSE(frame.failsafe);
+    EXPECT_FALSE(frame.frame_lost);
+    EXPECT_EQ(bench.engine().outputs()[0].latest().cause, LinkCause::good);
+}
+
 TEST(EngineFailsafe, the_first_good_frame_gives_control_at_once) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     bench.ibus(0, at(15ms), us(1100));

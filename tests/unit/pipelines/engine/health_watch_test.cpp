@@ -78,6 +78,23 @@ TEST_F(HealthOfAReceiver, TellsTheShareOfFramesThatDidNotCome) {
     EXPECT_NEAR(input(InputFact::frame_rate), 75, 2);
 }
 
+TEST(HealthOfAnSbusReceiver, CountsFramesThatItMarksAsLostOrAsFailsafeAmongThoseThatDidNotCome) {
+    std::vector<InputSettings> inputs;
+    inputs.push_back(sbus_input());
+    Bench bench(std::move(inputs), one_output());
+    HealthWatch watch{1, 1};
+    for (int frame = 1; frame <= 300; ++frame) {
+        const Instant now = at(frame * 10ms);
+        bench.sbus(0, now, us(1500), frame % 10 == 0, frame % 5 == 1);
+        if (frame % 10 == 0) {
+            watch.look(bench.engine(), now);
+        }
+    }
+    bench.engine().look(0, at(3s));
+    EXPECT_NEAR(watch.number(bench.engine(), 0, InputFact::loss_ratio, at(3s)).value_or(-1), 30, 1)
+        << "of ten frames one is marked as lost and two as failsafe";
+}
+
 TEST_F(HealthOfAReceiver, TellsThatAllIsLostWhenNothingComesAnyMore) {
     fly(3s);
     fly(5s, 1);

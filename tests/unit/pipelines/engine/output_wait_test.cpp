@@ -58,6 +58,18 @@ TEST(OutputWait, is_for_the_rest_of_the_time_of_good_frames) {
     EXPECT_EQ(awaited(bench, 301ms), "radio: good for 0.3 of 0.5 s");
 }
 
+TEST(OutputWait, is_for_the_input_that_needs_the_least_time) {
+    Bench bench(list(ibus_input(), ibus_input()), list(sbus_output({0, 1}, proof_of(500ms))));
+    for (Duration when = 1ms; when < 301ms; when += 8ms) {
+        bench.ibus(1, at(when), us(1500));
+        if (when > 100ms) {
+            bench.ibus(0, at(when), us(1500));
+        }
+    }
+    bench.said(at(301ms));
+    EXPECT_EQ(bench.engine().wait(0, at(301ms)).input, 1U);
+}
+
 TEST(OutputWait, names_the_share_of_frames_that_are_marked_frame_lost) {
     Bench bench(list(sbus_input()), list(sbus_output({0}, proof_of(500ms))));
     sbus_run(bench, 10ms, 310ms, 5);

@@ -197,6 +197,19 @@ TEST_F(ReceiverRoleAtAWire, LosesASensorAfterTheMissesThatAreAllowedAndThoseBehi
     EXPECT_EQ(board_.fresh(3, now_), std::nullopt);
 }
 
+TEST_F(ReceiverRoleAtAWire, AsksTheFirstOneNextAfterTheLossOfTheLast) {
+    make({.drop_after = 2});
+    for (std::uint8_t address = 1; address <= 3; ++address) {
+        set_type(address, 0x02, 2);
+        set_value(address, {7, 0});
+    }
+    start_up();
+    EXPECT_EQ(asked(10), "81 91 82 92 83 93 84 a1 a2 a3");
+    unplug(3);
+    EXPECT_EQ(asked(8), "a1 a2 a3 a3 83 a1 a2 a1");
+    EXPECT_EQ(role_->counts().lost_sensors, 1U);
+}
+
 TEST_F(ReceiverRoleAtAWire, KeepsWhatASensorSaysWhileOneBeforeItIsSoughtAgain) {
     make({.drop_after = 4});
     set_type(1, 0x02, 2);
@@ -376,6 +389,14 @@ TEST_F(ReceiverRoleAtAWire, SaysThatValuesHaveAnotherSizeThanTheSensorSaid) {
     asked(2);
     EXPECT_EQ(fault_of_first(), SensorFault{});
     EXPECT_EQ(board_.fresh(1, now_), 10'000);
+}
+
+TEST_F(ReceiverRoleAtAWire, AsksForTheTypeOnceForEachFourValuesOfAnotherSize) {
+    make({.drop_after = 4});
+    set_type(1, 0x02, 2);
+    set_value(1, {0x10, 0x27, 0, 0});
+    start_up();
+    EXPECT_EQ(asked(14), "81 91 82 a1 a1 a1 a1 91 a1 a1 a1 a1 91 a1");
 }
 
 TEST_F(ReceiverRoleAtAWire, FindsOutThatAnotherSensorWasPluggedInBetweenTwoRequests) {

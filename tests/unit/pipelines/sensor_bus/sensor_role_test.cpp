@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <span>
 #include <utility>
 
 #include "tests/unit/pipelines/sensor_bus/sensor_bus_bench.h"
@@ -62,6 +63,14 @@ TEST_F(SensorRoleOfTwo, IsSilentToOtherAddressesAndToPowerUpFrames) {
     EXPECT_TRUE(answer(request(0x83)).empty());
     EXPECT_TRUE(answer(request(0xA3)).empty());
     EXPECT_TRUE(answer({0x04, 0xF0, 0x0B, 0xFF}).empty());
+}
+
+TEST_F(SensorRoleOfTwo, TakesNoRequestInWhichTheLineDamagedAByte) {
+    const Bytes asked{0x04, 0xA1, 0x5A, 0xFF};
+    role_->receive(std::span(asked).first(2), now_, board_);
+    role_->damaged_byte(now_);
+    role_->receive(std::span(asked).subspan(2), now_, board_);
+    EXPECT_TRUE(turn(*role_, std::min(role_->due(), now_ + kSlot), board_).empty());
 }
 
 TEST_F(SensorRoleOfTwo, NeverAnswersTheReplyOfAnother) {

@@ -3,6 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "tests/unit/pipelines/engine/engine_bench.h"
@@ -103,6 +107,55 @@ TEST_F(StationsOfAPipeline, AnOutputWithoutItsDeviceCannotSend) {
 TEST_F(StationsOfAPipeline, AnAnswerOnASensorBusIsValidForLessThanHalfASlot) {
     // A slot has 7.7 ms (docs/protocols/ibus.md).
     EXPECT_EQ(stations_.valid_for(kBus), 3500us);
+}
+
+/// Tells the number of bytes since it was reset.
+class ByteCounter final : public ByteValueReader {
+  public:
+    std::span<const Value> values() const override { return {}; }
+    std::span<const NamedCount> rejected() const override { return {}; }
+    std::uint64_t skipped_bytes() const override { return 0; }
+    void damaged_byte() override {}
+    void reset() override { count_ = 0; }
+    bool next(std::span<const std::uint8_t>& bytes, Instant /*received*/,
+              std::span<ValueReading> readings) override {
+        count_ += static_cast<int>(bytes.size());
+        const bool some = !bytes.empty();
+        bytes = {};
+        readings[0] = {.state = ValueReading::State::number, .number = 1.0 * count_};
+        return some;
+    }
+
+  private:
+    int count_ = 0;
+};
+
+TEST(StationOfAMessage, ForgetsItsUnfinishedMessageWhereItsDeviceIsLost) {
+    ValueEngineSettings settings;
+    settings.values = {{"battery.voltage", "V", 500ms}};
+    settings.messages.push_back({std::make_unique<ByteCounter>(), {0}});
+    ValueEngine values(std::move(settings));
+    Engine engine({}, {}, {}, {});
+    Stations stations(engine, &values);
+    stations.start(at(0ms));
+    constexpr Station kMessage{StationKind::value_message, 0};
+    constexpr std::array<std::uint8_t, 3> kBytes{1, 2, 3};
+    stations.receive(kMessage, kBytes, at(1ms));
+    EXPECT_EQ(values.board().fresh(0, at(1ms)), 3);
+    stations.device_lost(kMessage);
+    stations.receive(kMessage, kBytes, at(2ms));
+    EXPECT_EQ(values.board().fresh(0, at(2ms)), 3);
+}
+
+TEST(StationOfADroneCanNode, SendsWhatTheNodeSays) {
+    dronecan::NodeSettings node;
+    node.id = 42;
+    Engine engine({}, {}, {}, {node});
+    Stations stations(engine, nullptr);
+    stations.start(at(0ms));
+    stations.poll(at(2s));
+    EXPECT_FALSE(stations.take({StationKind::dronecan_node, 0}, at(2s)).empty());
+    EXPECT_FALSE(stations.uses_fd({StationKind::dronecan_node, 0}));
 }
 
 }  // namespace

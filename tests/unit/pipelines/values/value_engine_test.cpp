@@ -124,26 +124,30 @@ class Counting final : public CanValueReader {
 
 /// The reader may be in the middle of a transfer, and it knows the next counter.
 TEST(ValueOfAMessage, IsReadOnOverAReloadByTheReaderThatTheMessageHas) {
-    const auto two_messages = [] {
+    const auto three_messages = [] {
         ValueEngineSettings settings;
-        settings.values = {{"first", "V", 500ms}, {"second", "V", 500ms}};
-        settings.messages.push_back({std::make_unique<Counting>(), {0}});
-        settings.messages.push_back({std::make_unique<Counting>(), {1}});
+        settings.values = {{"first", "V", 500ms}, {"second", "V", 500ms}, {"third", "V", 500ms}};
+        for (std::size_t i = 0; i < settings.values.size(); ++i) {
+            settings.messages.push_back({std::make_unique<Counting>(), {i}});
+        }
         return settings;
     };
-    ValueEngine before(two_messages());
+    ValueEngine before(three_messages());
     before.start(at(0ms));
+    before.receive(0, CanFrame{}, at(10ms));
     before.receive(1, CanFrame{}, at(10ms));
     before.receive(1, CanFrame{}, at(20ms));
-    ValueEngine next(two_messages());
+    ValueEngine next(three_messages());
     next.start(at(20ms));
-    next.continue_from(before, {.values = {1, std::nullopt}, .buses = {}, .messages = {1, {}}}, {});
+    next.continue_from(before, {.values = {1, {}, {}}, .buses = {}, .messages = {1, {}, 0}}, {});
     EXPECT_EQ(next.board().fresh(0, at(30ms)), 2);
     EXPECT_EQ(next.board().fresh(1, at(30ms)), std::nullopt);
     next.receive(0, CanFrame{}, at(40ms));
     next.receive(1, CanFrame{}, at(40ms));
     EXPECT_EQ(next.board().fresh(0, at(40ms)), 3);
+    next.receive(2, CanFrame{}, at(40ms));
     EXPECT_EQ(next.board().fresh(1, at(40ms)), 1);
+    EXPECT_EQ(next.board().fresh(2, at(40ms)), 2);
 }
 
 }  // namespace
