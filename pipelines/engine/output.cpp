@@ -130,7 +130,7 @@ std::optional<std::size_t> Output::controlling_input() const {
     if (asked && asked->at_once) {
         schedule_.due_at_once(now);
     } else if (asked) {
-        const Duration period = std::clamp(asked->period, least_asked_period_, most_asked_period_);
+        const Duration period = std::clamp(asked->period, least_asked_period_, OutputSettings::kMostAskedPeriod);
         // With another period than was asked for there is no phase to hold.
         schedule_.retime(period, period == asked->period ? asked->later : Duration::zero());
     }
