@@ -54,7 +54,7 @@ void keep_in_memory(Missing& missing) {
 }
 
 /// Touches the stack from below this function's frame down to `end`, at most `kRealtimeStackBytes`.
-[[gnu::noinline, gnu::no_sanitize("address")]] void touch_stack_to(const void* end) {
+[[gnu::noinline, gnu::no_sanitize_address]] void touch_stack_to(const void* end) {
     constexpr std::ptrdiff_t kOwnFrame = 1024;
     constexpr std::ptrdiff_t kPageBytes = 4096;
     auto* const here = static_cast<volatile std::uint8_t*>(__builtin_frame_address(0));
