@@ -171,7 +171,7 @@ void Schedule::done(Instant now, bool wrote, Instant valid_until) {
     due_ = std::min(repeat_due(now), std::max(valid_until, now + settings_.period));
 }
 
-[[gnu::noinline]] void Schedule::grid_done(Instant now) {
+void Schedule::grid_done(Instant now) {
     const Instant served = due_;
     const std::optional<Duration> locked = locked_step();
     const Duration step = locked.value_or(settings_.period);

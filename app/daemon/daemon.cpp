@@ -41,7 +41,6 @@ void Daemon::show_started() {
     log_->log_interfaces(*appliance_);
     sockets_.show(*appliance_);
     service_.started(*appliance_, now);
-    drop_idle_code_after(now);
 }
 
 /// Reports an appliance that replaced another one, which had `ports_before`.
@@ -201,14 +200,6 @@ void Daemon::look(Instant now) {
     if (left_over_ && left_over_->finish(now, wall_time_now())) {
         left_over_.reset();
     }
-    if (now >= drop_idle_code_at_ && idle_code_.drop_some()) {
-        drop_idle_code_at_ = kNever;
-    }
-}
-
-void Daemon::drop_idle_code_after(Instant now) {
-    drop_idle_code_at_ = now + std::chrono::seconds(1);
-    idle_code_ = {};
 }
 
 void Daemon::end() {

@@ -14,7 +14,6 @@
 #include "app/log/state_log.h"
 #include "config/schema/schema.h"
 #include "core/time.h"
-#include "pipelines/realtime/locked_memory.h"
 
 namespace tribus {
 
@@ -125,8 +124,6 @@ class Daemon {
     void restart();
     void stop();
     void show_started();
-    /// A second after `now`: by then, what began at `now` is logged and shown.
-    void drop_idle_code_after(Instant now);
     void show_successor(const std::vector<PortPlan>& ports_before, const CarryOver& carry_over);
 
     std::string path_;
@@ -144,8 +141,6 @@ class Daemon {
     std::map<std::uint64_t, ReloadOutcome> outcomes_;
     bool hung_up_ = false;
     Instant next_hang_up_{};
-    Instant drop_idle_code_at_ = kNever;
-    IdleCode idle_code_;
 };
 
 }  // namespace tribus

@@ -138,7 +138,6 @@ void Daemon::go_on(Instant now) {
                                 : change.kind == ChangeKind::confirm ? finish_confirming(change)
                                                                      : finish_reload(change));
         next_hang_up_ = later(now, kHangUpPause);
-        drop_idle_code_after(now);
     } else if (change_ && change_->kind != ChangeKind::back && now >= change_->latest_end) {
         const std::uint64_t number = change_->number;
         const bool confirms = change_->kind == ChangeKind::confirm;
@@ -146,7 +145,6 @@ void Daemon::go_on(Instant now) {
         const Mistake unread{path_, {}, "was not read within a minute", true};
         remember(number,
                  confirms ? ReloadOutcome{.lines = {format_mistake(unread)}} : refuse({unread}));
-        drop_idle_code_after(now);
     }
     if (hung_up_ && !change_ && appliance_ && now >= next_hang_up_) {
         hung_up_ = false;

@@ -64,7 +64,7 @@ void Engine::continue_from(Engine& before, const EngineCarry& carry, Instant now
     }
 }
 
-[[gnu::flatten]] bool Engine::announce(std::size_t input, bool frame_came) {
+bool Engine::announce(std::size_t input, bool frame_came) {
     if (frame_came) {
         for (const std::size_t output : fed_by_[input]) {
             outputs_[output].frame_arrived(input, inputs_[input].arrivals());
@@ -124,7 +124,7 @@ void Engine::set_lines(LineLevels levels, Instant now) {
     return nodes_.empty() ? next : std::min(next, poll_nodes(now));
 }
 
-[[gnu::noinline]] Instant Engine::poll_nodes(Instant now) {
+Instant Engine::poll_nodes(Instant now) {
     Instant next = kNever;
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
         next = std::min(next, nodes_[i]->poll(now, health_of(i)));

@@ -135,14 +135,14 @@ void Input::judge(Instant now) {
 }
 
 /// Between two frames of the input, slews go on towards what the latest one said.
-[[gnu::noinline]] void Input::move_slews(Instant now) {
+void Input::move_slews(Instant now) {
     if (supervisor_.alive(now)) {
         mapped_ = map_->apply(supervisor_.control(), now);
     }
 }
 
 /// The time of a loss is no time for its slews to move.
-[[gnu::noinline]] void Input::supervise_and_map(ChannelFrame& frame, Instant arrival, Instant now) {
+void Input::supervise_and_map(ChannelFrame& frame, Instant arrival, Instant now) {
     if (!supervisor_.alive(arrival)) {
         map_->rest(now);
     }

@@ -130,7 +130,8 @@ std::optional<std::size_t> Output::controlling_input() const {
     if (asked && asked->at_once) {
         schedule_.due_at_once(now);
     } else if (asked) {
-        const Duration period = std::clamp(asked->period, least_asked_period_, most_asked_period_);
+        const Duration period =
+            std::clamp(asked->period, least_asked_period_, OutputSettings::kMostAskedPeriod);
         // With another period than was asked for there is no phase to hold.
         schedule_.retime(period, period == asked->period ? asked->later : Duration::zero());
     }
@@ -162,7 +163,7 @@ void Output::set_device_present(bool present) {
     }
 }
 
-[[gnu::noinline]] bool Output::make_failsafe_frame(ChannelFrame& frame, Instant now) {
+bool Output::make_failsafe_frame(ChannelFrame& frame, Instant now) {
     frame = {};
     if (ending_ && farewells() > 0) {
         // The encoder's last frames take the place of silence.
@@ -190,7 +191,7 @@ void Output::set_device_present(bool present) {
 }
 
 /// Starts at the time of the latest frame, so that already the first frame of the glide moves.
-[[gnu::noinline]] void Output::glide_from_latest(std::optional<double> us_per_second) {
+void Output::glide_from_latest(std::optional<double> us_per_second) {
     if (us_per_second && ongoing_.made_frame) {
         ongoing_.glide.start(ongoing_.latest, *us_per_second, ongoing_.latest_at);
     } else {
@@ -199,7 +200,7 @@ void Output::set_device_present(bool present) {
 }
 
 /// A limit that still leads back from the presets does not end before it has.
-[[gnu::noinline]] void Output::glide_to_another_input() {
+void Output::glide_to_another_input() {
     ++ongoing_.counts.changeovers;
     if (!changeover_us_per_second_) {
         return;
@@ -226,8 +227,8 @@ void Output::rest_slews(bool after_failsafe) {
 
 /// The first frame of the selected input after failsafe or held values. False while `release_when`
 /// does not hold.
-[[gnu::noinline]] bool Output::make_first_control_frame(ChannelFrame& frame, Instant now,
-                                                        std::span<const Input> inputs) {
+bool Output::make_first_control_frame(ChannelFrame& frame, Instant now,
+                                      std::span<const Input> inputs) {
     const bool returns = ongoing_.stage == OutputStage::failsafe;
     rest_slews(returns);
     map_.apply(selector_.frame(), frame, now);
@@ -274,7 +275,7 @@ void Output::enter_failsafe() {
 
 /// Frame of an output that no input feeds. It sends named values, each of which is fresh or marked
 /// stale. Nothing is held, and there are no presets.
-[[gnu::noinline]] bool Output::make_frame_without_inputs(ChannelFrame& frame, bool yielding) {
+bool Output::make_frame_without_inputs(ChannelFrame& frame, bool yielding) {
     ongoing_.stage = yielding ? OutputStage::failsafe : OutputStage::control;
     frame.frame_lost = false;
     frame.failsafe = false;
@@ -316,7 +317,7 @@ bool Output::make_frame(ChannelFrame& frame, Instant now, std::span<const Input>
 }
 
 /// Replaces absent channels by their presets if the format cannot mark a channel as absent.
-[[gnu::noinline]] void Output::fill_absent(ChannelFrame& frame, Instant now) {
+void Output::fill_absent(ChannelFrame& frame, Instant now) {
     const std::uint32_t needed = encoder_.encoder().needed_channels(frame);
     const std::uint32_t missing = needed & frame.absent();
     if (missing == 0) {
@@ -333,7 +334,7 @@ bool Output::make_frame(ChannelFrame& frame, Instant now, std::span<const Input>
 }
 
 /// No channels leave that the encoder withholds, whatever the link hands over.
-[[gnu::noinline]] void Output::look_for_withheld() {
+void Output::look_for_withheld() {
     const Withheld withheld = encoder_.encoder().withheld();
     if (!ongoing_.made_frame || withheld == Withheld::nothing) {
         return;

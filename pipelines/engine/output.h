@@ -271,11 +271,9 @@ class Output {
     /// When the frame of the latest `run` would be judged differently.
     Instant valid_until_ = kNever;
     Transmission transmission_;
-    /// Limits of a period that the receiver asks for. Two of them: a size of this class that is a
-    /// multiple of 512 costs an instruction for each index into the list of outputs.
+    /// Lower limit of a period that the receiver asks for.
     Duration least_asked_period_;
     bool may_withhold_;
-    Duration most_asked_period_ = OutputSettings::kMostAskedPeriod;
 };
 
 }  // namespace tribus

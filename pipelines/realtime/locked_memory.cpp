@@ -11,23 +11,17 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
-#include <chrono>
 #include <cinttypes>
 #include <cstdint>
 #include <cstdio>
 #include <limits>
 #include <memory>
 #include <string_view>
-#include <thread>
-
-#include "core/time.h"
-#include "pipelines/realtime/clock.h"
 
 // Range of the data path's code and constants (app/data_path.ld). Null if linked without it.
 extern "C" {
 [[gnu::weak]] extern const char kDataPathCodeBegin[];
 [[gnu::weak]] extern const char kDataPathCodeEnd[];
-[[gnu::weak]] extern const char kRunningCodeEnd[];
 [[gnu::weak]] extern const char kDataPathConstantsBegin[];
 [[gnu::weak]] extern const char kDataPathConstantsEnd[];
 }
@@ -211,22 +205,6 @@ bool lock_all_that_comes() {
 enum class Locked : std::uint8_t { nothing, present, present_and_future };
 std::atomic<Locked> locked{Locked::nothing};
 
-/// Bytes reach a serial port through a thread of the kernel that may have to wait until this thread
-/// pauses. 16 pages at a time made a sensor bus miss an answer on the slow board of the laboratory.
-constexpr std::uintptr_t kPagesAtATime = 4;
-constexpr std::chrono::milliseconds kPause{1};
-/// Time of one call: under load a pause takes many times as long as `kPause`.
-constexpr Duration kMostAtOnce = std::chrono::milliseconds(50);
-
-/// Locked pages cannot be dropped.
-void drop_locked(MemoryRange range) {
-    advise([](void* begin, std::size_t length) { return ::munlock(begin, length); }, range);
-    drop_clean(range);
-    if (locked == Locked::present_and_future) {
-        lock_on_use(range);
-    }
-}
-
 }  // namespace
 
 int lock_memory() {
@@ -246,25 +224,6 @@ int lock_memory() {
         lock_heap(first);
     }
     return first.error();
-}
-
-bool IdleCode::drop_some() {
-    if (kDataPathCodeBegin == nullptr || locked == Locked::nothing) {
-        return true;
-    }
-    // The first and the last page may have a part of what runs.
-    const MemoryRange code{(address_of(kRunningCodeEnd) / page_size() + 1) * page_size(),
-                           address_of(kDataPathConstantsBegin) / page_size() * page_size()};
-    dropped_to_ = std::max(dropped_to_, code.begin);
-    for (const Instant end = later(monotonic_now(), kMostAtOnce);
-         dropped_to_ < code.end && monotonic_now() < end;) {
-        const MemoryRange part{dropped_to_,
-                               std::min(code.end, dropped_to_ + kPagesAtATime * page_size())};
-        drop_locked(part);
-        dropped_to_ = part.end;
-        std::this_thread::sleep_for(kPause);
-    }
-    return dropped_to_ >= code.end;
 }
 
 int lock_new_memory() {

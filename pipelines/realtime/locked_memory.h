@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdint>
-
 namespace tribus {
 
 /// Locks into memory what the data path may touch: the heap, stacks and data of the process, the
@@ -15,18 +13,6 @@ namespace tribus {
 /// Call after everything that runs was created, before it runs. Returns 0, or the first error
 /// number from the kernel; it locks the rest all the same.
 [[nodiscard]] int lock_memory();
-
-/// The code of the program that does not run while frames flow. Each page of it comes into memory
-/// when it is used, and stays. A new object drops all of it once. Thread-bound.
-class IdleCode {
-  public:
-    /// Drops the next pages, for about 50 ms, mostly in pauses, so that it delays no other thread.
-    /// Returns true when all are dropped, and before `lock_memory`, when it does nothing.
-    bool drop_some();
-
-  private:
-    std::uintptr_t dropped_to_ = 0;
-};
 
 /// Locks what was allocated since `lock_memory`, if the limit kept that from being locked
 /// automatically. Any thread. Returns as `lock_memory` does.

@@ -89,7 +89,7 @@ void Loop::request_end() {
     set_event(waits_.wake_up());
 }
 
-[[gnu::noinline]] Instant Loop::poll_can_links(Instant now) {
+Instant Loop::poll_can_links(Instant now) {
     Instant next = kNever;
     for (const std::size_t port : can_ports_) {
         if (ports_[port].link) {
@@ -145,7 +145,7 @@ std::size_t Loop::wait_until(Instant until) {
 }
 
 /// Handles what a wait told besides bytes and frames.
-[[gnu::noinline]] void Loop::take_news(std::span<const std::uint32_t> ready) {
+void Loop::take_news(std::span<const std::uint32_t> ready) {
     if (waits_.failed()) {
         wait_failure_.store(waits_.failure(), std::memory_order_release);
     }
@@ -172,7 +172,7 @@ void Loop::look_at_lines(Instant now) {
     }
 }
 
-[[gnu::noinline]] void Loop::begin() {
+void Loop::begin() {
     // From here on this thread does not allocate. The tests recognise it by its name.
     ::pthread_setname_np(::pthread_self(), "tribus-data");
     clock_ = monotonic_now();
@@ -183,13 +183,13 @@ void Loop::look_at_lines(Instant now) {
 }
 
 /// The thread cannot wait any more.
-[[gnu::noinline]] void Loop::end_at_once(Instant now) {
+void Loop::end_at_once(Instant now) {
     engine_.end(now);
     advance(now);
     publish(now);
 }
 
-[[gnu::flatten]] Loop* Loop::run() {
+Loop* Loop::run() {
     if (!took_over_) {
         begin();
     }

@@ -33,7 +33,7 @@ void Loop::set_watched(std::size_t port, bool watched) {
 }
 
 /// Lets epoll report once more what a port still has: bytes that were not read, or a hang-up.
-[[gnu::noinline]] void Loop::watch_again(std::size_t index) {
+void Loop::watch_again(std::size_t index) {
     const Port& port = ports_[index];
     if (port.link && port.quiet_until == kNever && port.link->wakes_at_each_arrival() &&
         wants_bytes(port.wiring.stations)) {
@@ -48,7 +48,7 @@ void Loop::end_watch(Port& port) {
     port.watch.reset();
 }
 
-[[gnu::noinline]] void Loop::lose(Port& port) {
+void Loop::lose(Port& port) {
     if (port.quiet_until != kNever) {
         port.quiet_until = kNever;
         --quiet_ports_;
@@ -75,7 +75,7 @@ void Loop::set_event(int event) {
     [[maybe_unused]] const auto written = ::write(event, &one, sizeof one);
 }
 
-[[gnu::noinline]] void Loop::accept_given_links() {
+void Loop::accept_given_links() {
     std::uint64_t count = 0;
     [[maybe_unused]] const auto taken = ::read(waits_.wake_up(), &count, sizeof count);
     for (std::size_t port = 0; port < ports_.size(); ++port) {

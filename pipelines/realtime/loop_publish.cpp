@@ -101,7 +101,7 @@ OutputStatus Loop::output_status(std::size_t output) const {
     return status;
 }
 
-[[gnu::noinline]] void Loop::publish(Instant now) {
+void Loop::publish(Instant now) {
     next_publish_ = now + kPublishPeriod;
     for (std::size_t i = 0; i < input_figures_.size(); ++i) {
         publish_input(i, now);

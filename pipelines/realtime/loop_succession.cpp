@@ -49,7 +49,7 @@ Loop* Loop::successor(Instant now) {
     return next;
 }
 
-[[gnu::noinline]] void Loop::take_over(Loop& before, Instant now) {
+void Loop::take_over(Loop& before, Instant now) {
     clock_ = now;
     read_until_ = now;
     absence_ = before.absence_;

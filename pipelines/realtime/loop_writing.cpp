@@ -21,8 +21,7 @@ WriteStatus Loop::hand_over(Link& link, std::size_t lane, const Transmission& se
                : link.as_can()->write(lane, sent.can_frames(), clock_);
 }
 
-[[gnu::noinline]] void Loop::capture(const PortWiring& wiring, const Transmission& sent,
-                                     Instant at) {
+void Loop::capture(const PortWiring& wiring, const Transmission& sent, Instant at) {
     wiring.capture->record(sent.bytes(), at);
     for (const CanFrame& frame : sent.can_frames()) {
         wiring.capture->record(Direction::written, frame, at);

@@ -128,7 +128,7 @@ int PortWaits::wait_for(const Duration& longest, std::span<epoll_event> events) 
 }
 
 /// After a wait that was interrupted or refused. Returns the number of events that wait.
-[[gnu::noinline]] int PortWaits::wait_again(std::span<epoll_event> events) {
+int PortWaits::wait_again(std::span<epoll_event> events) {
     int count = -1;
     if (errno == EINTR) {
         news_ |= kInterrupted;

@@ -197,7 +197,7 @@ inline void StraightLanes::change_all(const ChannelFrame& from, ChannelFrame& to
     change_group(2, from, to);
 }
 
-[[gnu::noinline]] void StraightLanes::change(const ChannelFrame& input, ChannelFrame& output) {
+void StraightLanes::change(const ChannelFrame& input, ChannelFrame& output) {
     if (input.absent() != absent_in_) {
         look_who_is_absent(input.absent());
     }
@@ -210,8 +210,7 @@ inline void StraightLanes::change_all(const ChannelFrame& from, ChannelFrame& to
 }
 
 /// Not inline: nearly all maps read in place.
-[[gnu::noinline]] void StraightLanes::change_gathered(const ChannelFrame& input,
-                                                      ChannelFrame& output) const {
+void StraightLanes::change_gathered(const ChannelFrame& input, ChannelFrame& output) const {
     ChannelFrame values;
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
         values.pulses()[channel] = input.pulses()[input_[channel]];
@@ -220,7 +219,7 @@ inline void StraightLanes::change_all(const ChannelFrame& from, ChannelFrame& to
 }
 
 /// A receiver with 14 channels, for example, leaves the others absent.
-[[gnu::noinline]] void StraightLanes::look_who_is_absent(std::uint32_t absent) {
+void StraightLanes::look_who_is_absent(std::uint32_t absent) {
     absent_in_ = absent;
     absent_out_ = 0;
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
@@ -237,8 +236,7 @@ ChannelMap::ChannelMap(std::span<const ChannelRule> rules) {
     }
 }
 
-[[gnu::noinline]] void ChannelMap::apply_lanes(const ChannelFrame& input, ChannelFrame& output,
-                                               Instant now) {
+void ChannelMap::apply_lanes(const ChannelFrame& input, ChannelFrame& output, Instant now) {
     for (Lane& lane : lanes_) {
         std::optional<WidePulse> pulse = std::visit(SourceReader{input, lines_}, lane.source);
         if (pulse) {

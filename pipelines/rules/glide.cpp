@@ -30,7 +30,7 @@ void Glide::start_anew(const ChannelFrame& from, double us_per_second, Instant n
         on_its_way ? std::min(before, eighths_per_nanosecond_) : eighths_per_nanosecond_;
 }
 
-[[gnu::noinline]] void Glide::move(ChannelFrame& frame, Instant now) {
+void Glide::move(ChannelFrame& frame, Instant now) {
     const double most = eighths_per_nanosecond_ * static_cast<double>((now - latest_at_).count());
     latest_at_ = now;
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {

@@ -87,7 +87,7 @@ bool LinkSupervisor::plausible(const ChannelFrame& frame, Instant now) {
     return !within || !any_zero(frame);
 }
 
-[[gnu::noinline]] void LinkSupervisor::note_implausible(const ChannelFrame& frame, Instant now) {
+void LinkSupervisor::note_implausible(const ChannelFrame& frame, Instant now) {
     ++implausible_.frames;
     implausible_.at = now;
     const auto note_first = [&](const std::optional<PulseRange>& range, auto is_wrong) {
@@ -184,8 +184,7 @@ Instant LinkSupervisor::not_after_frozen(Instant expiry) const {
 /// implausible frame does not show it either, because noise can damage a frame so that its sum is
 /// still right. Noise does not do that to each frame for the timeout: after that the values are
 /// new.
-[[gnu::noinline]] void LinkSupervisor::watch_for_change(const ChannelFrame& frame, Kind kind,
-                                                        Instant now) {
+void LinkSupervisor::watch_for_change(const ChannelFrame& frame, Kind kind, Instant now) {
     const bool implausible_until_now =
         latest_kind_ == Kind::implausible && latest_frame_ - kind_since_ >= settings_.timeout;
     const bool changed = !ever_frame_ || implausible_until_now || !frame.same_channels(unchanged_);
@@ -235,7 +234,7 @@ void LinkSupervisor::accept(const ChannelFrame& frame, Instant now) {
     expires_ = frame.received + settings_.timeout;
 }
 
-[[gnu::noinline]] void LinkSupervisor::refuse(Verdict verdict, Instant now) {
+void LinkSupervisor::refuse(Verdict verdict, Instant now) {
     good_.frame_lost = true;
     if (verdict.kind == Kind::radio_lost) {
         if (!radio_lost_) {

@@ -21,8 +21,7 @@ class Crc {
   public:
     /// The CRC of a number of bytes that is known, without loops.
     template <std::size_t count>
-    [[gnu::always_inline]] static inline Word of(Word start,
-                                                 std::span<const std::uint8_t, count> bytes) {
+    static inline Word of(Word start, std::span<const std::uint8_t, count> bytes) {
         constexpr std::size_t kFirst = (count - 1) % kSlice + 1;
         Word crc = of_bytes<kFirst>(start, bytes.data());
         for (std::size_t at = kFirst; at < count; at += kSlice) {
@@ -40,7 +39,7 @@ class Crc {
     }
 
     /// Inlined always: on garbage it is called for each false beginning.
-    [[gnu::always_inline]] static inline Word of(Word start, std::span<const std::uint8_t> bytes) {
+    static inline Word of(Word start, std::span<const std::uint8_t> bytes) {
         Word crc = start;
         const std::uint8_t* at = bytes.data();
         const std::size_t count = bytes.size();
@@ -61,7 +60,7 @@ class Crc {
 
     /// The remainder of a number by the polynomial, of a CRC of 8 bits that takes the highest bits
     /// first.
-    [[gnu::always_inline]] static inline Word remainder(std::uint64_t number) {
+    static inline Word remainder(std::uint64_t number) {
         static_assert(sizeof(Word) == 1 && order == CrcBits::highest_first);
         const auto low = static_cast<std::uint32_t>(number);
         const auto high = static_cast<std::uint32_t>(number >> 32U);
@@ -116,7 +115,7 @@ class Crc {
         return static_cast<Word>((... ^ kTables[kLast - at][bytes[at] ^ met_by<at>(crc)]));
     }
     template <std::size_t count>
-    [[gnu::always_inline]] static inline Word of_bytes(Word crc, const std::uint8_t* bytes) {
+    static inline Word of_bytes(Word crc, const std::uint8_t* bytes) {
         if constexpr (count < sizeof(Word)) {
             return of_byte(crc, *bytes);
         } else {

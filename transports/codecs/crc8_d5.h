@@ -18,8 +18,7 @@ inline constexpr std::size_t kCrc8D5FoldedBytes = 24;
 /// The remainder of 24 bytes by the polynomial: 0 if the last byte is the CRC of those before; that
 /// CRC if the last byte is 0. Folds the bytes into eight before it looks into tables, as x^96 has
 /// the remainder x^3, and x^64 the remainder x^6 + x + 1. Pure and reentrant.
-[[gnu::always_inline]] inline std::uint8_t crc8_d5_remainder(
-    std::span<const std::uint8_t, kCrc8D5FoldedBytes> bytes) {
+inline std::uint8_t crc8_d5_remainder(std::span<const std::uint8_t, kCrc8D5FoldedBytes> bytes) {
     const std::uint8_t* const first = bytes.data();
     // Adds bytes 0 to 11, times x^3, to bytes 12 to 23: the lower 64 bits, and those above.
     const std::uint64_t lower =

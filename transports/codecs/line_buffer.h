@@ -238,7 +238,7 @@ class LineBuffer {
 
   private:
     /// Not inline: single bytes, the most frequent case, then save no registers for it.
-    [[gnu::noinline]] void keep_all(std::span<const std::uint8_t> bytes) {
+    void keep_all(std::span<const std::uint8_t> bytes) {
         assert(size_ + bytes.size() <= kept_.size());
         std::copy(bytes.begin(), bytes.end(), kept_.data() + size_);
         size_ += bytes.size();

@@ -91,8 +91,8 @@ bool CrsfDecoder::read(std::span<const std::uint8_t> frame, ChannelFrame& channe
     }
 }
 
-[[gnu::always_inline]] inline void CrsfDecoder::read_channels(
-    std::span<const std::uint8_t, kPackedChannelBytes> packed, ChannelFrame& channels) {
+inline void CrsfDecoder::read_channels(std::span<const std::uint8_t, kPackedChannelBytes> packed,
+                                       ChannelFrame& channels) {
     const SbusLanes raw = unpack_channels(packed);
     raw_ = from_lanes(raw);
     raw_is_latest_ = true;

@@ -17,8 +17,7 @@ namespace tribus::crsf_wire {
 /// Writes all but the payload, which is there. Returns the length of the frame. Inlined, it costs
 /// the encoder more instructions than the call.
 template <std::size_t payload_bytes>
-[[gnu::noinline]] std::size_t finish_frame(std::uint8_t address, std::uint8_t type,
-                                           std::span<std::uint8_t> wire) {
+std::size_t finish_frame(std::uint8_t address, std::uint8_t type, std::span<std::uint8_t> wire) {
     wire[0] = address;
     wire[kLengthAt] = static_cast<std::uint8_t>(payload_bytes + kTypeAndCheck);
     wire[kTypeAt] = type;
@@ -40,10 +39,8 @@ inline std::size_t write_present_channels(const ChannelFrame& frame, const SbusS
     return kChannelsFrameBytes;
 }
 
-[[gnu::noinline]] inline std::size_t write_centred_channels(const ChannelFrame& frame,
-                                                            const SbusScale& scale,
-                                                            std::uint8_t address,
-                                                            std::span<std::uint8_t> wire) {
+inline std::size_t write_centred_channels(const ChannelFrame& frame, const SbusScale& scale,
+                                          std::uint8_t address, std::span<std::uint8_t> wire) {
     ChannelFrame filled = frame;
     for (std::size_t channel = 0; channel < kSbusChannels; ++channel) {
         filled.set(channel, frame.channel_or(channel, kCentrePulse));

@@ -122,7 +122,7 @@ DsmDecoder::Step DsmDecoder::step(Instant received, DecodedFrame& frame) {
 
 /// Whether the frame at the front counts with the pause behind it. If more bytes follow, or it is
 /// another frame, the row is over.
-[[gnu::noinline]] bool DsmDecoder::waits_for_pause(Instant received) {
+bool DsmDecoder::waits_for_pause(Instant received) {
     const Known* const known = recognise(buffer_.view(0, kDsmFrameBytes).data());
     if (known != nullptr && known->counts && received - latest_frame_ <= kSilence &&
         !buffer_.see(kDsmFrameBytes + 1)) {
@@ -248,7 +248,7 @@ inline Lanes DsmDecoder::eighths_of(Lanes words, DsmResolution resolution) const
            line_.least_eighths;
 }
 
-[[gnu::noinline]] void DsmDecoder::mark_present(std::uint32_t channels) {
+void DsmDecoder::mark_present(std::uint32_t channels) {
     for (std::size_t channel = 0; channel < kDsmChannels; ++channel) {
         if ((channels >> channel & 1U) != 0) {
             values_.set(channel, values_.pulses()[channel]);
@@ -266,7 +266,7 @@ DsmDecoder::Known* DsmDecoder::recognise(const std::uint8_t* wire) {
 }
 
 /// A frame whose layout is new. Returns it if it agrees with a known one.
-[[gnu::noinline]] DsmDecoder::Known* DsmDecoder::meet(const std::uint8_t* wire, Instant received) {
+DsmDecoder::Known* DsmDecoder::meet(const std::uint8_t* wire, Instant received) {
     const auto layout = DsmLayout::of(dsm_wire(wire), resolution_);
     if (!layout) {
         ++rejected_[kImplausible].count;

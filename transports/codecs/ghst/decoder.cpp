@@ -83,8 +83,8 @@ ChannelFrame GhstDecoder::all_channels() {
     return frame;
 }
 
-[[gnu::flatten]] GhstDecoder::Taken GhstDecoder::decode(std::span<const std::uint8_t> bytes,
-                                                        Instant received, DecodedFrame& frame) {
+GhstDecoder::Taken GhstDecoder::decode(std::span<const std::uint8_t> bytes, Instant received,
+                                       DecodedFrame& frame) {
     // The usual case, channels with a group in one read. The general way gives the same.
     if (buffer_.size() == 0 && bytes.size() >= kGhstFrameBytes &&
         begins_with_ghst_group(load_half_word(bytes.data())) &&
@@ -171,7 +171,7 @@ void GhstDecoder::take_statistics(const std::uint8_t* frame, Instant received) {
 }
 
 /// Not inline, so that most frames save no registers for it.
-[[gnu::noinline]] void GhstDecoder::remove_old_groups(ChannelFrame& channels) {
+void GhstDecoder::remove_old_groups(ChannelFrame& channels) {
     constexpr std::uint32_t kFirstGroup = ((1U << kGhstGroupChannels) - 1) << kGhstFineChannels;
     for (std::size_t group = 0; group < kGhstGroups; ++group) {
         if (channels.received - group_received_[group] > kGroupLasts) {

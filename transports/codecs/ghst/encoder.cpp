@@ -59,7 +59,7 @@ std::array<std::uint8_t, 4> ghst_statistics_of(const ChannelFrame& frame) {
 }
 
 /// Inlined, it costs the encoder more instructions than the call.
-[[gnu::noinline]] void write_check(std::span<std::uint8_t, kLongestSerialFrame> wire) {
+void write_check(std::span<std::uint8_t, kLongestSerialFrame> wire) {
     const std::span<const std::uint8_t> bytes = wire;
     wire[kGhstCheckAt] = Crc8D5::of(0, bytes.subspan<kGhstTypeAt, kGhstCheckedBytes>());
 }

@@ -30,7 +30,7 @@ constexpr std::uint8_t subtype_of(std::uint8_t first) {
 /// The CRC-8 with which a frame ends: polynomial 0x25, start value 0xFF. That of a whole frame is
 /// 0. The start value is that of ArduPilot AP_IBus2 and its captures of a FTr8B; Betaflight has 0,
 /// which the captures refute.
-[[gnu::always_inline]] inline std::uint8_t crc_of(std::span<const std::uint8_t> bytes) {
+inline std::uint8_t crc_of(std::span<const std::uint8_t> bytes) {
     return Crc<std::uint8_t, 0x25>::of(0xFF, bytes);
 }
 

@@ -73,8 +73,8 @@ void MavlinkMessages::use_clock(const WallClock& clock) {
 }
 
 /// Counts the message if it is not.
-[[gnu::noinline]] bool MavlinkMessages::is_genuine(std::span<const std::uint8_t> frame,
-                                                   std::uint32_t id, Instant received) {
+bool MavlinkMessages::is_genuine(std::span<const std::uint8_t> frame, std::uint32_t id,
+                                 Instant received) {
     const auto fault = verifier_->fault_of(frame, received);
     if (!fault || (fault == SignatureFault::no_signature && takes_unsigned(id))) {
         return true;

@@ -266,9 +266,8 @@ SbusDecoder::Taken SbusDecoder::decode(std::span<const std::uint8_t> bytes, Inst
 
 /// Handles the bytes of a locked frame that decide something: the first and the last. This function
 /// and those below are not inline, so that the usual case saves no registers.
-[[gnu::noinline]] SbusDecoder::Taken SbusDecoder::decode_byte(std::span<const std::uint8_t> bytes,
-                                                              Instant received,
-                                                              DecodedFrame& frame) {
+SbusDecoder::Taken SbusDecoder::decode_byte(std::span<const std::uint8_t> bytes, Instant received,
+                                            DecodedFrame& frame) {
     const std::uint8_t byte = bytes[0];
     if (buffer_.size() == 0 && byte == kHeader) {
         buffer_.keep_one(byte, kSbusFrameLength - 1);
@@ -287,8 +286,8 @@ SbusDecoder::Taken SbusDecoder::decode(std::span<const std::uint8_t> bytes, Inst
 
 /// Passes over bytes at which no frame can begin: bytes that are no header, and headers without
 /// flags and footer in their places.
-[[gnu::noinline]] SbusDecoder::Taken SbusDecoder::decode_unlocked(
-    std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame) {
+SbusDecoder::Taken SbusDecoder::decode_unlocked(std::span<const std::uint8_t> bytes,
+                                                Instant received, DecodedFrame& frame) {
     auto rest = bytes;
     if (const std::size_t kept = buffer_.size(); kept != 0) {
         const auto joined = buffer_.join(bytes, kSbusFrameLength - 1);
@@ -312,7 +311,7 @@ SbusDecoder::Taken SbusDecoder::decode(std::span<const std::uint8_t> bytes, Inst
 }
 
 /// The last byte shows that the bytes after a header are no frame.
-[[gnu::noinline]] SbusDecoder::Taken SbusDecoder::refuse_kept(std::uint8_t last) {
+SbusDecoder::Taken SbusDecoder::refuse_kept(std::uint8_t last) {
     buffer_.keep_one(last, 0);
     const std::uint8_t* const kept = buffer_.kept();
     std::size_t noise = 1;

@@ -79,8 +79,8 @@ std::size_t SbusEncoder::write(const ChannelFrame& frame,
     return encode_any(frame, wire);
 }
 
-[[gnu::noinline]] std::size_t SbusEncoder::encode_any(
-    const ChannelFrame& frame, std::span<std::uint8_t, kLongestSerialFrame> wire) const {
+std::size_t SbusEncoder::encode_any(const ChannelFrame& frame,
+                                    std::span<std::uint8_t, kLongestSerialFrame> wire) const {
     const ChannelFrame full = filled_sbus(frame);
     write_frame(scale_.whole_steps() ? scale_.encode_whole(full) : scale_.encode_each(full), full,
                 wire.first<kSbusFrameLength>());
@@ -149,7 +149,7 @@ int SbusDecoder::likeness(std::size_t start) const {
                               std::equal_to<>{});
 }
 
-[[gnu::noinline]] void SbusDecoder::scale_each(ChannelFrame& channels) const {
+void SbusDecoder::scale_each(ChannelFrame& channels) const {
     scale_.decode_each(from_lanes(unpack(latest())), channels);
 }
 
