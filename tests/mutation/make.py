@@ -177,8 +177,8 @@ class Finder:
             self.count_fixed(children, function)
             return
         owner = cursor.semantic_parent
-        if cursor.kind == CursorKind.FIELD_DECL and owner.kind == CursorKind.STRUCT_DECL and not any(
-                each.kind == CursorKind.CONSTRUCTOR for each in owner.get_children()):
+        if (cursor.kind == CursorKind.FIELD_DECL and owner.kind == CursorKind.STRUCT_DECL and
+                all(each.kind != CursorKind.CONSTRUCTOR for each in owner.get_children())):
             # Each source that makes one compiles the value for itself.
             self.count_fixed(children, function)
             return

@@ -321,11 +321,15 @@ class SwitchedBuild:
             self.must_run(["c++", "-std=c++20", "-O1", f"-I{OWN_ROOT}", "-c", HERE / f"{name}.cpp",
                            "-o", made])
             extra.append(str(made))
+        jobs = []
         for output, words in self.links.items():
             if output.endswith("_tests"):
-                self.link_one(words, self.work / "tests" / pathlib.Path(output).name, extra)
+                jobs.append((words, self.work / "tests" / pathlib.Path(output).name, extra))
             elif self.with_programs and pathlib.Path(output).name in PROGRAMS:
-                self.link_one(words, self.program(pathlib.Path(output).name), extra[:1])
+                jobs.append((words, self.program(pathlib.Path(output).name), extra[:1]))
+        with concurrent.futures.ThreadPoolExecutor(self.jobs) as pool:
+            for _ in pool.map(lambda job: self.link_one(*job), jobs):
+                pass
 
     def link_one(self, words, output, extra):
         output.parent.mkdir(parents=True, exist_ok=True)
