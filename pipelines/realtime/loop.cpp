@@ -189,7 +189,7 @@ void Loop::end_at_once(Instant now) {
     publish(now);
 }
 
-Loop* Loop::run() {
+[[gnu::flatten]] Loop* Loop::run() {
     if (!took_over_) {
         begin();
     }

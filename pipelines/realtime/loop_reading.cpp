@@ -61,7 +61,7 @@ bool Loop::end_datagram(const PortWiring& wiring, Instant at) {
     return frame_came;
 }
 
-void Loop::answer(const PortWiring& wiring, Link& link, Instant now) {
+[[gnu::noinline]] void Loop::answer(const PortWiring& wiring, Link& link, Instant now) {
     for (const Station& station : wiring.stations) {
         if (station.kind != StationKind::answers) {
             continue;
@@ -133,7 +133,7 @@ void Loop::hand_on_can(const PortWiring& wiring) {
 }
 
 /// CAN frames carry their own times, so the time of the read matters little.
-ReadStatus Loop::read_can(const PortWiring& wiring, CanLink& link, Instant now) {
+[[gnu::noinline]] ReadStatus Loop::read_can(const PortWiring& wiring, CanLink& link, Instant now) {
     ReadStatus status = ReadStatus::nothing;
     can_reception_.full = true;
     for (int reads = 0; reads < kMostReads && can_reception_.full; ++reads) {
@@ -145,7 +145,7 @@ ReadStatus Loop::read_can(const PortWiring& wiring, CanLink& link, Instant now) 
 }
 
 /// After what the received frames let the outputs send: that is what must be quick.
-void Loop::answer_can_frames(Instant now) {
+[[gnu::noinline]] void Loop::answer_can_frames(Instant now) {
     can_answers_wait_ = false;
     for (const std::size_t index : can_ports_) {
         Port& port = ports_[index];
@@ -211,7 +211,7 @@ bool Loop::read_unreported(Port& port, Instant since, Instant now) {
 
 /// A port may be silent because its sender is, or because the kernel does not report what comes.
 /// Once a second a look that nobody asked for finds out.
-void Loop::look_at_silent_ports(Instant now) {
+[[gnu::noinline]] void Loop::look_at_silent_ports(Instant now) {
     if (now - looked_at_ports_ < kSilentPortPeriod) {
         return;
     }
@@ -230,7 +230,7 @@ void Loop::look_at_silent_ports(Instant now) {
     publish_standing_port(now);
 }
 
-void Loop::read_quiet_ports(Instant now) {
+[[gnu::noinline]] void Loop::read_quiet_ports(Instant now) {
     for (std::size_t port = 0; quiet_ports_ > 0 && port < ports_.size(); ++port) {
         if (ports_[port].quiet_until <= now) {
             read_port(port, now);
@@ -266,7 +266,7 @@ ReadStatus Loop::catch_up_on_bytes(const PortWiring& wiring, ByteLink& link, Ins
 
 /// Call after the thread did not run from `since` to `now`. Empties every port, ready or not, so
 /// that no later read takes old bytes for new ones.
-void Loop::catch_up(Instant since, Instant now) {
+[[gnu::noinline]] void Loop::catch_up(Instant since, Instant now) {
     if (late_by_ >= kToldAbsence) {
         ++absence_.count;
         absence_.latest = late_by_;

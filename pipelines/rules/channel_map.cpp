@@ -197,7 +197,7 @@ inline void StraightLanes::change_all(const ChannelFrame& from, ChannelFrame& to
     change_group(2, from, to);
 }
 
-void StraightLanes::change(const ChannelFrame& input, ChannelFrame& output) {
+[[gnu::noinline]] void StraightLanes::change(const ChannelFrame& input, ChannelFrame& output) {
     if (input.absent() != absent_in_) {
         look_who_is_absent(input.absent());
     }
@@ -210,7 +210,8 @@ void StraightLanes::change(const ChannelFrame& input, ChannelFrame& output) {
 }
 
 /// Not inline: nearly all maps read in place.
-void StraightLanes::change_gathered(const ChannelFrame& input, ChannelFrame& output) const {
+[[gnu::noinline]] void StraightLanes::change_gathered(const ChannelFrame& input,
+                                                      ChannelFrame& output) const {
     ChannelFrame values;
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
         values.pulses()[channel] = input.pulses()[input_[channel]];
@@ -219,7 +220,7 @@ void StraightLanes::change_gathered(const ChannelFrame& input, ChannelFrame& out
 }
 
 /// A receiver with 14 channels, for example, leaves the others absent.
-void StraightLanes::look_who_is_absent(std::uint32_t absent) {
+[[gnu::noinline]] void StraightLanes::look_who_is_absent(std::uint32_t absent) {
     absent_in_ = absent;
     absent_out_ = 0;
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
@@ -236,7 +237,8 @@ ChannelMap::ChannelMap(std::span<const ChannelRule> rules) {
     }
 }
 
-void ChannelMap::apply_lanes(const ChannelFrame& input, ChannelFrame& output, Instant now) {
+[[gnu::noinline]] void ChannelMap::apply_lanes(const ChannelFrame& input, ChannelFrame& output,
+                                               Instant now) {
     for (Lane& lane : lanes_) {
         std::optional<WidePulse> pulse = std::visit(SourceReader{input, lines_}, lane.source);
         if (pulse) {

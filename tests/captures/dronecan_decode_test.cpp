@@ -185,7 +185,7 @@ const std::map<std::string, Reasons> kBroken{{"bad_crc_middle", {"bad_crc"}},
                                              {"stray_end_frame", {"start_missing"}},
                                              {"wrong_type_signature_crc", {"bad_crc"}}};
 
-TEST_F(DroneCanDecodeVectors, OfEverySequenceTheAcceptedTransfersAreShownAndTheOthersHaveAReason) {
+TEST_F(DroneCanDecodeVectors, ShowTheAcceptedTransfersOfEverySequenceAndAReasonForTheOthers) {
     for (const ordered_json& sequence : vectors_.at("receive_sequences")) {
         const std::string name = sequence.at("name");
         SCOPED_TRACE(name);

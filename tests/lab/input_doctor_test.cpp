@@ -50,7 +50,7 @@ TEST_F(LabInputDoctor, FindsGamepadsAndUinputAmongAllDevices) {
     EXPECT_TRUE(says(all, "[input.no_stable_name]")) << all;
 }
 
-TEST_F(LabInputDoctor, OfAGamepadPrintsTheLinesOfItsInput) {
+TEST_F(LabInputDoctor, PrintsTheLinesOfAGamepadsInput) {
     const std::string text = said({path(), "/dev/uinput"}, 0);
     EXPECT_TRUE(says(text, "    protocol = \"gamepad\"\n    device   = \"" + path() + "\"\n"))
         << text;

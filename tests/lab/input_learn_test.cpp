@@ -114,7 +114,7 @@ TEST_F(LabLearn, AtATerminalEnterLeavesControlsOut) {
         << "a suggestion: " << program.errors();
 }
 
-TEST_F(LabLearn, OfAnInputPrintsWhatReplacesItsLinesToAProgram) {
+TEST_F(LabLearn, PrintsWhatReplacesTheLinesOfAnInputToAProgram) {
     FarEnd person(folder() / "person");
     const std::string file = write_config(
         "[input.mine]\nprotocol = \"gamepad\"\ndevice = \"@pad\"\n"

@@ -168,7 +168,7 @@ class Storm : public Loopback {
     Program* daemon_ = nullptr;
 };
 
-TEST_F(Storm, OfProcessesThatTakeTheWholeProcessorCostsNoLineItsControl) {
+TEST_F(Storm, OnTheWholeProcessorCostsNoLineItsControl) {
     const std::uint64_t before = marked();
     {
         const std::array<Nuisance, 4> busy{Nuisance([] {}), Nuisance([] {}), Nuisance([] {}),
@@ -202,7 +202,7 @@ TEST_F(Storm, ThatLeavesNoMemoryCostsNoLineItsControl) {
     expect_clean_end(*daemon_);
 }
 
-TEST_F(Storm, OfStepsOfTheWallClockCostsNoLineItsControl) {
+TEST_F(Storm, WithStepsOfTheWallClockCostsNoLineItsControl) {
     const std::uint64_t before = marked();
     step_the_clock_about();
     EXPECT_EQ(marked(), before);
@@ -210,7 +210,7 @@ TEST_F(Storm, OfStepsOfTheWallClockCostsNoLineItsControl) {
     expect_clean_end(*daemon_);
 }
 
-TEST_F(Storm, OfNoiseAtLineRateCostsOnlyTheLineThatHasIt) {
+TEST_F(Storm, WithNoiseAtLineRateCostsOnlyTheLineThatHasIt) {
     const std::uint64_t before = lines_[3].testimony().marked;
     lines_[2].babble(Clock::now() + 3s);
     translate(3s);
@@ -221,7 +221,7 @@ TEST_F(Storm, OfNoiseAtLineRateCostsOnlyTheLineThatHasIt) {
     expect_clean_end(*daemon_);
 }
 
-TEST_F(Storm, OfAllTroublesAtOnceEndsWithEveryLineInControl) {
+TEST_F(Storm, WithAllTroublesAtOnceEndsWithEveryLineInControl) {
     {
         const std::array<Nuisance, 4> busy{Nuisance([] {}), Nuisance([] {}), Nuisance([] {}),
                                            Nuisance([] {})};

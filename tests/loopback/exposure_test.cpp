@@ -80,12 +80,12 @@ class Exposure : public testing::Test {
     TemporaryFolder folder_;
 };
 
-TEST_F(Exposure, OfTheMqttBridgeIsWhatThePageSays) {
+TEST_F(Exposure, IsWhatThePageSaysForTheMqttBridge) {
     EXPECT_NE(source_text(kPage).find("that of `tribus-mqtt.service` 1.3"), std::string::npos);
     rated(13, kBridge);
 }
 
-TEST_F(Exposure, OfTheUnitIsWhatThePageSays) {
+TEST_F(Exposure, IsWhatThePageSaysForTheUnit) {
     EXPECT_NE(source_text(kPage).find("| none | 1.9 |"), std::string::npos);
     rated(19);
 }

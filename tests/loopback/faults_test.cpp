@@ -50,7 +50,7 @@ class WireFaults : public Witnessed {
     std::size_t replugs_ = 0;
 };
 
-TEST_F(WireFaults, in_each_tenth_frame_make_nothing_old_and_hardly_a_frame_that_nobody_sent) {
+TEST_F(WireFaults, InEachTenthFrameMakeNothingOldAndHardlyAFrameThatNobodySent) {
     Program& program = begin_hurting(6, 0.1);
     go_on_for(4s);
     expect_the_truth();
@@ -58,7 +58,7 @@ TEST_F(WireFaults, in_each_tenth_frame_make_nothing_old_and_hardly_a_frame_that_
 }
 
 /// Both halves belong to frames, but to different ones.
-TEST_F(WireFaults, of_a_receiver_that_is_pulled_in_a_frame_and_comes_back_in_another_make_none) {
+TEST_F(WireFaults, MakeNoFrameOfAReceiverThatIsPulledInOneAndComesBackInAnother) {
     Program& program = begin_hurting(2, 0);
     for (int replug = 0; replug < 6; ++replug) {
         WitnessedLine& line = lines_[static_cast<std::size_t>(replug) % 2];
@@ -75,7 +75,7 @@ TEST_F(WireFaults, of_a_receiver_that_is_pulled_in_a_frame_and_comes_back_in_ano
 }
 
 /// Damaged frames, stops of the program, receivers that fall silent or are unplugged in a frame.
-TEST_F(WireFaults, all_at_once_make_nothing_old) {
+TEST_F(WireFaults, AllAtOnceMakeNothingOld) {
     Program& program = begin_hurting(6, 0.05);
     for (int round = 0; round < 6; ++round) {
         any_line().silence(Clock::now() + 50ms + up_to(200ms));

@@ -45,7 +45,7 @@ std::string whole_help_of(const std::string& program, const std::string& command
 }
 
 /// The texts are tested in programs_test.cpp, without the programs.
-TEST(Help, of_every_command_is_that_of_the_program) {
+TEST(Help, IsThatOfTheProgramForEveryCommand) {
     for (const auto& [program, path] : kPrograms) {
         const std::vector<std::string> commands = commands_of(path);
         ASSERT_FALSE(commands.empty()) << program;
@@ -58,7 +58,7 @@ TEST(Help, of_every_command_is_that_of_the_program) {
     EXPECT_GE(commands_of(TRIBUS_PROGRAM).size(), 20U);
 }
 
-TEST(Help, names_the_protocols_and_shows_the_settings_of_one) {
+TEST(Help, NamesTheProtocolsAndShowsTheSettingsOfOne) {
     const std::string help = help_of("tribus", "decode");
     EXPECT_EQ(help.find("--slots"), help.npos);
     EXPECT_NE(help.find("crsf-telemetry"), help.npos);
@@ -68,7 +68,7 @@ TEST(Help, names_the_protocols_and_shows_the_settings_of_one) {
     EXPECT_EQ(ibus.find("--scale"), ibus.npos) << ibus;
 }
 
-TEST(Version, is_that_of_the_project_and_says_how_each_program_was_built) {
+TEST(Version, IsThatOfTheProjectAndSaysHowEachProgramWasBuilt) {
     const std::string source = TRIBUS_SOURCE_DIR;
     std::smatch version;
     const std::string project = text_of_file(source + "/CMakeLists.txt");
@@ -104,7 +104,7 @@ std::string typed_text_in(const std::filesystem::path& page) {
     return text;
 }
 
-TEST(Help, knows_every_command_and_option_that_a_page_names) {
+TEST(Help, KnowsEveryCommandAndOptionThatAPageNames) {
     static const std::regex call_form(
         R"((?:^|[\n$ /(])(tribus(?:-web|-mqtt)?) ([a-z]+)(?=[ \n])([^\n|;)]*))");
     static const std::regex option_form(R"((?:^| )(--[a-z][a-z0-9_-]*))");

@@ -44,7 +44,7 @@ class InstalledPages : public ::testing::Test {
     TemporaryFolder folder_;
 };
 
-TEST_F(InstalledPages, are_there) {
+TEST_F(InstalledPages, AreThere) {
     for (const std::string path : {"/usr/share/man/man1/tribus.1.gz",
                                    "/usr/share/man/man5/tribus.toml.5.gz",
                                    "/usr/share/man/man8/tribus-web.8.gz",
@@ -72,7 +72,7 @@ TEST_F(InstalledPages, are_there) {
     EXPECT_GE(pages().size(), 25U);
 }
 
-TEST_F(InstalledPages, list_the_keys_of_this_program) {
+TEST_F(InstalledPages, ListTheKeysOfThisProgram) {
     const std::string keys = "/usr/share/doc/tribus/docs/configuration.md";
     EXPECT_EQ(text_of_file(root() / keys.substr(1)),
               run_in_shell(TRIBUS_PROGRAM " schema --format markdown").output);
@@ -85,7 +85,7 @@ TEST_F(InstalledPages, list_the_keys_of_this_program) {
         run_in_shell(TRIBUS_PROGRAM " schema --format man").output);
 }
 
-TEST_F(InstalledPages, link_to_what_is_installed) {
+TEST_F(InstalledPages, LinkToWhatIsInstalled) {
     std::size_t count = 0;
     for (const fs::path& page : pages()) {
         for (const std::string& target : links_in(text_of_file(root() / page))) {
@@ -98,7 +98,7 @@ TEST_F(InstalledPages, link_to_what_is_installed) {
     EXPECT_GT(count, 100U);
 }
 
-TEST_F(InstalledPages, begin_with_a_readme_that_names_no_script_of_the_sources) {
+TEST_F(InstalledPages, BeginWithAReadmeThatNamesNoScriptOfTheSources) {
     static const std::regex script(R"((^|[^\w/])(deploy|tests|build|app|\.ci)/[a-z]\S*)");
     const std::string installed = text_of_file(root() / "usr/share/doc/tribus/README.md");
     std::smatch match;
@@ -112,7 +112,7 @@ TEST_F(InstalledPages, begin_with_a_readme_that_names_no_script_of_the_sources) 
     EXPECT_EQ(installed.find("sudo apt install"), std::string::npos) << "it is installed";
 }
 
-TEST_F(InstalledPages, have_no_links_to_the_host_of_the_sources) {
+TEST_F(InstalledPages, HaveNoLinksToTheHostOfTheSources) {
     const std::string changes = text_of_file(root() / "usr/share/doc/tribus/CHANGELOG.md");
     EXPECT_EQ(changes.find("/compare/"), std::string::npos);
     EXPECT_NE(changes.find("\n## [0.2.0] - 2026-11-28\n"), std::string::npos);
@@ -134,7 +134,7 @@ std::vector<std::string> paths_in(const std::string& text) {
     return paths;
 }
 
-TEST_F(InstalledPages, name_files_that_are_installed) {
+TEST_F(InstalledPages, NameFilesThatAreInstalled) {
     std::vector<fs::path> texts = pages();
     std::size_t count = 0;
     for (const fs::path& page : texts) {

@@ -45,7 +45,7 @@ Words offered(const std::string& line, const std::string& program = TRIBUS_PROGR
     return words_of(ended.output);
 }
 
-TEST(BashCompletion, offers_every_command) {
+TEST(BashCompletion, OffersEveryCommand) {
     ASSERT_GE(commands_of(TRIBUS_PROGRAM).size(), 10U);
     const Words all = offered("\"\"");
     for (const std::string& command : commands_of(TRIBUS_PROGRAM)) {
@@ -53,7 +53,7 @@ TEST(BashCompletion, offers_every_command) {
     }
 }
 
-TEST(BashCompletion, offers_the_commands_and_options_of_the_programs_beside) {
+TEST(BashCompletion, OffersTheCommandsAndOptionsOfTheProgramsBeside) {
     for (const std::string program : {TRIBUS_WEB, TRIBUS_MQTT}) {
         EXPECT_FALSE(commands_of(program).empty());
         EXPECT_EQ(offered("\"\"", program), commands_of(program));
@@ -62,7 +62,7 @@ TEST(BashCompletion, offers_the_commands_and_options_of_the_programs_beside) {
     EXPECT_EQ(offered("run --br", TRIBUS_MQTT), Words{"--broker"});
 }
 
-TEST(BashCompletion, offers_choices_behind_the_equals_sign) {
+TEST(BashCompletion, OffersChoicesBehindTheEqualsSign) {
     EXPECT_EQ(offered("check --format = \"\""), (Words{"toml", "json"}));
     EXPECT_EQ(offered("check --format ="), (Words{"toml", "json"}));
     EXPECT_EQ(offered("check --format = j"), Words{"json"});
@@ -71,13 +71,13 @@ TEST(BashCompletion, offers_choices_behind_the_equals_sign) {
     EXPECT_EQ(offered("check --format=j"), Words{"--format=json"});
 }
 
-TEST(BashCompletion, offers_the_settings_of_the_protocol) {
+TEST(BashCompletion, OffersTheSettingsOfTheProtocol) {
     EXPECT_EQ(offered("decode --protocol sbus --scale p"), Words{"px4"});
     EXPECT_EQ(offered("decode --protocol dsm --scale \"\""), (Words{"spektrum", "betaflight"}));
     EXPECT_FALSE(has(offered("decode --protocol ibus --scale \"\""), "betaflight"));
 }
 
-TEST(BashCompletion, offers_the_names_of_running_daemons) {
+TEST(BashCompletion, OffersTheNamesOfRunningDaemons) {
     const TemporaryFolder folder;
     const std::string place = folder.path().string();
     folder.write("boat.toml",
@@ -100,7 +100,7 @@ TEST(BashCompletion, offers_the_names_of_running_daemons) {
 
 /// Completion must not take longer than a program takes to start: it starts the program once, and
 /// nothing else.
-TEST(BashCompletion, starts_the_program_once_and_nothing_else) {
+TEST(BashCompletion, StartsTheProgramOnceAndNothingElse) {
     const TemporaryFolder folder;
     const std::string log = (folder.path() / "log").string();
     const std::string program = folder.write(
@@ -115,7 +115,7 @@ TEST(BashCompletion, starts_the_program_once_and_nothing_else) {
     EXPECT_EQ(words_of(text_of_file(log)).size(), 7U) << text_of_file(log);
 }
 
-TEST(BashCompletion, is_that_of_all_programs) {
+TEST(BashCompletion, IsThatOfAllPrograms) {
     const Ended ended =
         run_in_shell("bash -c '. " TRIBUS_SOURCE_DIR
                      "/deploy/completions/tribus.bash; complete -p tribus tribus-web "
@@ -136,7 +136,7 @@ Words offered_by_fish(const std::string& line) {
     return words_of(ended.output);
 }
 
-TEST(FishCompletion, offers_commands_options_and_choices) {
+TEST(FishCompletion, OffersCommandsOptionsAndChoices) {
     if (run_in_shell("fish --version").status != 0) {
         GTEST_SKIP() << "needs fish";
     }
@@ -159,7 +159,7 @@ Words offered_by_zsh(const std::string& line) {
     return words_of(ended.output);
 }
 
-TEST(ZshCompletion, offers_commands_options_choices_and_files) {
+TEST(ZshCompletion, OffersCommandsOptionsChoicesAndFiles) {
     if (run_in_shell("zsh --version").status != 0) {
         GTEST_SKIP() << "needs zsh";
     }
@@ -170,20 +170,20 @@ TEST(ZshCompletion, offers_commands_options_choices_and_files) {
     EXPECT_EQ(offered_by_zsh("check x"), Words{"FILES"});
 }
 
-TEST(BashCompletion, offers_the_commands_that_begin_so) {
+TEST(BashCompletion, OffersTheCommandsThatBeginSo) {
     EXPECT_EQ(offered("ch"), Words{"check"});
 }
 
-TEST(BashCompletion, offers_the_options_of_the_command) {
+TEST(BashCompletion, OffersTheOptionsOfTheCommand) {
     EXPECT_EQ(offered("simulate --t"), Words{"--tail"});
     EXPECT_EQ(offered("check --f"), Words{"--format"});
 }
 
-TEST(BashCompletion, offers_the_choices_of_an_option) {
+TEST(BashCompletion, OffersTheChoicesOfAnOption) {
     EXPECT_EQ(offered("check --format \"\""), (Words{"toml", "json"}));
 }
 
-TEST(BashCompletion, offers_the_protocols) {
+TEST(BashCompletion, OffersTheProtocols) {
     const Words all = offered("decode --protocol \"\"");
     for (const char* protocol : {"auto", "ibus", "sbus", "can", "dronecan", "ibus-sensor"}) {
         EXPECT_TRUE(has(all, protocol)) << protocol;
@@ -192,12 +192,12 @@ TEST(BashCompletion, offers_the_protocols) {
     EXPECT_TRUE(has(offered("record --protocol f"), "fport"));
 }
 
-TEST(BashCompletion, offers_the_choices_of_a_setting) {
+TEST(BashCompletion, OffersTheChoicesOfASetting) {
     EXPECT_EQ(offered("decode --slots \"\""), (Words{"nibbles", "plain"}));
     EXPECT_EQ(offered("encode --carries m"), Words{"motors"});
 }
 
-TEST(BashCompletion, offers_files) {
+TEST(BashCompletion, OffersFiles) {
     EXPECT_EQ(offered("check " TRIBUS_SOURCE_DIR "/config/examples/main-j"),
               Words{TRIBUS_SOURCE_DIR "/config/examples/main-job.toml"});
 }
@@ -240,13 +240,13 @@ Words options_of(const std::string& command, const std::string& program = TRIBUS
 const std::string kManualPage =
     text_of_file(std::filesystem::path(TRIBUS_SOURCE_DIR) / "deploy" / "man" / "tribus.1");
 
-TEST(ManualPage, has_every_command) {
+TEST(ManualPage, HasEveryCommand) {
     for (const std::string& command : commands_of(TRIBUS_PROGRAM)) {
         EXPECT_NE(section_of(kManualPage, command), "") << command;
     }
 }
 
-TEST(ManualPage, has_every_option_of_a_command_in_its_section) {
+TEST(ManualPage, HasEveryOptionOfACommandInItsSection) {
     std::size_t count = 0;
     for (const std::string& command : commands_of(TRIBUS_PROGRAM)) {
         const Words words = words_of(section_of(kManualPage, command));
@@ -258,7 +258,7 @@ TEST(ManualPage, has_every_option_of_a_command_in_its_section) {
     EXPECT_GT(count, 80U);
 }
 
-TEST(ManualPage, has_no_option_that_the_command_does_not_know) {
+TEST(ManualPage, HasNoOptionThatTheCommandDoesNotKnow) {
     static const std::regex item("\n\\.It ([^\n]*)");
     static const std::regex flag("Fl -([a-z0-9_-]+)");
     for (const std::string& command : commands_of(TRIBUS_PROGRAM)) {
@@ -287,15 +287,15 @@ Words described_in(const std::string& name) {
     return described;
 }
 
-TEST(ManualPage, of_the_page_has_its_options_and_no_others) {
+TEST(ManualPage, HasTheOptionsOfThePageAndNoOthers) {
     EXPECT_EQ(described_in("tribus-web.8"), options_of("serve", TRIBUS_WEB));
 }
 
-TEST(ManualPage, of_the_mqtt_bridge_has_its_options_and_no_others) {
+TEST(ManualPage, HasTheOptionsOfTheMqttBridgeAndNoOthers) {
     EXPECT_EQ(described_in("tribus-mqtt.8"), options_of("run", TRIBUS_MQTT));
 }
 
-TEST(ManualPage, of_the_programs_beside_have_their_commands_and_exit_statuses) {
+TEST(ManualPage, HasTheCommandsAndExitStatusesOfTheProgramsBeside) {
     for (const auto& [name, program] :
          {std::pair{"tribus-web.8", TRIBUS_WEB}, std::pair{"tribus-mqtt.8", TRIBUS_MQTT}}) {
         const std::string page =
@@ -313,7 +313,7 @@ TEST(ManualPage, of_the_programs_beside_have_their_commands_and_exit_statuses) {
     }
 }
 
-TEST(ManualPage, is_set_without_a_warning) {
+TEST(ManualPage, IsSetWithoutAWarning) {
     if (run_in_shell("groff --version").status != 0) {
         GTEST_SKIP() << "needs groff";
     }

@@ -58,7 +58,7 @@ class Learn : public Loopback {
     }
 };
 
-TEST_F(Learn, OfARecordingPrintsTheLinesThatRecogniseTheLoss) {
+TEST_F(Learn, PrintsTheLinesThatRecogniseTheLossInARecording) {
     Program& program = learn(throttle_at(900));
     EXPECT_EQ(program.end(), 0) << program.errors();
     EXPECT_EQ(program.output(), "failsafe_when = [{ channel = 3, below = 950 }]\n");
@@ -67,7 +67,7 @@ TEST_F(Learn, OfARecordingPrintsTheLinesThatRecogniseTheLoss) {
         << program.errors();
 }
 
-TEST_F(Learn, OfALossThatOnlyStandsStillSaysThatThisIsALastResort) {
+TEST_F(Learn, SaysThatALossThatOnlyStandsStillIsALastResort) {
     Program& program = learn(throttle_at(1000));
     EXPECT_EQ(program.end(), 0) << program.errors();
     EXPECT_EQ(program.output(), "frozen = \"2s\"\n");
@@ -90,7 +90,7 @@ TEST_F(Learn, WithoutAPersonWantsARecording) {
         << program.errors();
 }
 
-TEST_F(Learn, OfAnInputThatIsNotThereNamesThoseThatAre) {
+TEST_F(Learn, NamesTheInputsThatAreThereForOneThatIsNot) {
     Program& program = start({"learn", write_config(main_job()) + ":reciever"});
     EXPECT_EQ(program.end(), 2);
     EXPECT_NE(program.errors().find("did you mean \"receiver\"?"), std::string::npos)
@@ -108,7 +108,7 @@ class LearnPad : public Loopback {
     }
 };
 
-TEST_F(LearnPad, OfADeviceThatIsNotThereOrNoGamepadSaysSo) {
+TEST_F(LearnPad, SaysThatADeviceIsNotThereOrNoGamepad) {
     refuses({"learn", "/dev/input/by-id/none"}, 1,
             "/dev/input/by-id/none: there is no such device");
     refuses({"learn", "/dev/null"}, 1, "/dev/null: this is no input device");
@@ -116,7 +116,7 @@ TEST_F(LearnPad, OfADeviceThatIsNotThereOrNoGamepadSaysSo) {
     refuses({"learn", "pad"}, 2, "or a gamepad below /dev/input");
 }
 
-TEST_F(LearnPad, OfARecordingIsRefused) {
+TEST_F(LearnPad, RefusesARecording) {
     const std::string file = write_config(
         "[input.pad]\nprotocol = \"gamepad\"\ndevice = \"/dev/input/by-id/none\"\n"
         "[output.servos]\nprotocol = \"sbus\"\ndevice = \"@servos\"\n"

@@ -150,7 +150,7 @@ class Licences : public testing::Test {
     }
 };
 
-TEST_F(Licences, OfEachStaticLibraryOfTheLinkLineAreListed) {
+TEST_F(Licences, NameEachStaticLibraryOfTheLinkLine) {
     std::size_t own = 0;
     for (const std::string& word : link_words()) {
         const bool is_object = word.ends_with(".a") || word.ends_with(".o");
@@ -171,7 +171,7 @@ TEST_F(Licences, OfEachStaticLibraryOfTheLinkLineAreListed) {
     EXPECT_GE(own, 8U);
 }
 
-TEST_F(Licences, OfEachLibraryThatIsOnlyHeadersAreListed) {
+TEST_F(Licences, NameEachLibraryThatIsOnlyHeaders) {
     std::size_t shared = 0;
     ASSERT_GE(build_libraries().size(), 10U);
     for (const std::string& package : build_libraries()) {

@@ -98,7 +98,7 @@ TEST_F(Loopback, EveryFrameSentAfterTheOneBeforeItCameOutComesOutInOrder) {
     expect_clean_end(program);
 }
 
-TEST_F(Loopback, OfABurstTheNewestFrameComesOutAndNoneIsQueued) {
+TEST_F(Loopback, NewestFrameOfABurstComesOutAndNoneIsQueued) {
     FarEnd& receiver = device("receiver");
     ServoBank servos(device("servos"));
     Program& program = run(write_config(main_job(kPatientInput)));

@@ -62,8 +62,7 @@ void lower_limit(__rlimit_resource resource, rlim_t most) {
 
 /// A filter of seccomp(2): a program for the numbers of system calls.
 void refuse_calls(const std::vector<long>& numbers) {
-    std::vector<sock_filter> rules{
-        BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr))};
+    std::vector<sock_filter> rules{BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr))};
     for (const long number : numbers) {
         rules.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<__u32>(number), 0, 1));
         rules.push_back(BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EPERM));

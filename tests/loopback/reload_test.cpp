@@ -127,7 +127,7 @@ TEST_F(Reload, AStormOfSignalsKeepsNothingFromItsTurn) {
 }
 
 /// Reading the files takes several seconds: 6 times 11 MB.
-TEST_F(Reload, OfLargeFilesKeepsNothingWaiting) {
+TEST_F(Reload, KeepsNothingWaitingWithLargeFiles) {
     Program& program = run(write_config(main_job(kPatientInput)));
     expect_first_channel(1100);
     write_large_dbc(folder() / "large.dbc");

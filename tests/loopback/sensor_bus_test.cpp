@@ -252,7 +252,7 @@ INSTANTIATE_TEST_SUITE_P(Wires, BothRoles, testing::Values(FarWires::one, FarWir
                              return wires.param == FarWires::one ? "one" : "two";
                          });
 
-TEST_P(BothRoles, OfOneProgramFindEachOtherAndSayNothingWhileAllIsWell) {
+TEST_P(BothRoles, FindEachOtherInOneProgramAndSayNothingWhileAllIsWell) {
     FarEnd& sensors = device("sensors");
     FarEnd& probes = device("probes");
     Asker teller(device("told"), FarWires::two);

@@ -40,7 +40,7 @@ class Stall : public Witnessed {
 };
 
 /// A frame may be as old as the input's timeout, and counts for one period.
-TEST_F(Stall, longer_than_the_timeout_gives_no_unmarked_frame_that_is_older) {
+TEST_F(Stall, LongerThanTheTimeoutGivesNoUnmarkedFrameThatIsOlder) {
     Program& program =
         begin(8, "timeout = \"100ms\"", "recover = \"0ms\"\npower_on = \"0ms\"", 100ms + 7ms);
     for (int stall = 0; stall < 12 * scale(); ++stall) {
@@ -57,7 +57,7 @@ TEST_F(Stall, longer_than_the_timeout_gives_no_unmarked_frame_that_is_older) {
 
 /// More bytes wait than the line buffer of a terminal holds: the kernel delivers the rest a moment
 /// after the first part was read.
-TEST_F(Stall, of_seconds_gives_no_unmarked_frame_that_is_older) {
+TEST_F(Stall, GivesNoUnmarkedFrameThatIsOlderThanSeconds) {
     Program& program =
         begin(8, "timeout = \"100ms\"", "recover = \"0ms\"\npower_on = \"0ms\"", 100ms + 7ms);
     for (int stall = 0; stall < 2 * scale(); ++stall) {
@@ -71,7 +71,7 @@ TEST_F(Stall, of_seconds_gives_no_unmarked_frame_that_is_older) {
     expect_clean_end(program);
 }
 
-TEST_F(Stall, longer_than_the_timeout_asks_for_recover_although_values_are_still_held) {
+TEST_F(Stall, LongerThanTheTimeoutAsksForRecoverAlthoughValuesAreStillHeld) {
     Program& program = begin(2, "timeout = \"100ms\"", "hold = \"5s\"\nrecover = \"400ms\"", 1s);
     program.signal(SIGSTOP);
     go_on_for(300ms);
@@ -83,7 +83,7 @@ TEST_F(Stall, longer_than_the_timeout_asks_for_recover_although_values_are_still
     expect_clean_end(program);
 }
 
-TEST_F(Stall, shorter_than_the_timeout_is_followed_by_the_newest_frame) {
+TEST_F(Stall, ShorterThanTheTimeoutIsFollowedByTheNewestFrame) {
     Program& program = begin(8, "timeout = \"5s\"", "recover = \"0ms\"\npower_on = \"0ms\"", 10s);
     for (int stall = 0; stall < 8 * scale(); ++stall) {
         program.signal(SIGSTOP);
@@ -106,7 +106,7 @@ TEST_F(Stall, shorter_than_the_timeout_is_followed_by_the_newest_frame) {
 }
 
 /// The waiting bytes may have come at any time since the program was stopped.
-TEST_F(Stall, shorter_than_the_timeout_makes_nothing_younger_than_it_is) {
+TEST_F(Stall, ShorterThanTheTimeoutMakesNothingYoungerThanItIs) {
     Program& program = begin(4, "timeout = \"1s\"",
                              "hold = \"0ms\"\nrecover = \"0ms\"\npower_on = \"0ms\"", 1007ms);
     program.signal(SIGSTOP);
@@ -124,7 +124,7 @@ TEST_F(Stall, shorter_than_the_timeout_makes_nothing_younger_than_it_is) {
     expect_clean_end(program);
 }
 
-TEST_F(Stall, joins_no_half_frames_of_before_and_behind) {
+TEST_F(Stall, JoinsNoHalfFramesOfBeforeAndBehind) {
     constexpr std::size_t kHalf = 10;
     FarEnd& receiver = device("receiver");
     ServoBank servos(device("servos"));

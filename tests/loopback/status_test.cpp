@@ -127,7 +127,7 @@ TEST_F(StatusCommand, WithoutADaemonFailsAndPrintsNoResult) {
     }
 }
 
-TEST_F(StatusCommand, OfADaemonThatHangsFails) {
+TEST_F(StatusCommand, FailsIfTheDaemonHangs) {
     Program& program = begin();
     program.signal(SIGSTOP);
     Program& asked = status({"--format", "json"});

@@ -266,7 +266,7 @@ class TwoSenders : public testing::TestWithParam<std::size_t> {
     CanChannelsFormat format_ = kCanFormats[GetParam()];
 };
 
-TEST_P(TwoSenders, OfOnePeriodAndPhaseAreNeverPublished) {
+TEST_P(TwoSenders, WithOnePeriodAndPhaseAreNeverPublished) {
     for (unsigned ahead = 0; ahead < format_.counter_values(); ++ahead) {
         for (unsigned order = 0; order < orders(format_); ++order) {
             CanPair pair(format_);

@@ -175,7 +175,7 @@ void print(std::string_view fault, std::string_view who, const Score& score) {
                 who.data(), score.right, score.wrong);
 }
 
-TEST(SbusBound, OfFramesThatFaultsLeaveAsManyComeAsInTheBestFlightController) {
+TEST(SbusBound, LetsAsManyFramesThatFaultsLeaveComeAsTheBestFlightController) {
     for (const Bound& bound : kBounds) {
         const World world = with_faults(bound.fault, 1);
         const Score betaflight = theirs<reference::BetaflightSbusReader>(world);

@@ -116,7 +116,7 @@ std::size_t frames_held(Beside beside, Bytes (*frame)(Random&), std::uint32_t se
     return beside.held();
 }
 
-TEST(FrameAge, OfSbusIsThatOfItsLastByteWhateverTheLineDoes) {
+TEST(FrameAge, IsThatOfTheLastByteWithSbusWhateverTheLineDoes) {
     std::size_t held = 0;
     for (std::uint32_t seed = 1; seed <= 2000 && !HasFatalFailure(); ++seed) {
         held += frames_held(Beside::of<SbusDecoder>(), sbus_bytes, seed);
@@ -124,7 +124,7 @@ TEST(FrameAge, OfSbusIsThatOfItsLastByteWhateverTheLineDoes) {
     EXPECT_GT(held, 100U) << "too few frames were held to show anything";
 }
 
-TEST(FrameAge, OfIbusIsThatOfItsLastByteWhateverTheLineDoes) {
+TEST(FrameAge, IsThatOfTheLastByteWithIbusWhateverTheLineDoes) {
     std::size_t held = 0;
     for (std::uint32_t seed = 1; seed <= 2000 && !HasFatalFailure(); ++seed) {
         held += frames_held(Beside::of<IbusDecoder>(), ibus_bytes, seed);

@@ -165,7 +165,7 @@ std::size_t expect_no_later_than_the_rule(const Availability& availability) {
     return excused;
 }
 
-TEST(Availability, is_that_of_a_flight_controller_or_better) {
+TEST(Availability, IsThatOfAFlightControllerOrBetter) {
     std::string table =
         "# Time in seconds until an SBUS output has control, after the start and after outages of\n"
         "# 0.2, 0.5, 1 and 3 s, and the share of the time in control in which a frame newer than\n"

@@ -91,7 +91,7 @@ std::string table() {
     return text;
 }
 
-TEST(Behaviour, loss_and_jitter_to_age_and_failsafe_delay_are_as_stored) {
+TEST(Behaviour, LossAndJitterToAgeAndFailsafeDelayAreAsStored) {
     expect_stored("behaviour.txt", table());
 }
 

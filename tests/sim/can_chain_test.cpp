@@ -108,7 +108,7 @@ Instant first_that(const CanChain& chain, Instant from, Says says) {
     return found == written.end() ? kNever : found->at;
 }
 
-TEST_P(CanChainTest, what_is_written_as_good_is_one_whole_snapshot_that_the_sender_was_given) {
+TEST_P(CanChainTest, WhatIsWrittenAsGoodIsOneWholeSnapshotThatTheSenderWasGiven) {
     for_all_seeds([](const CanChain& chain) {
         std::size_t good = 0;
         for (const Written& written : chain.b().written()) {
@@ -122,7 +122,7 @@ TEST_P(CanChainTest, what_is_written_as_good_is_one_whole_snapshot_that_the_send
     });
 }
 
-TEST_P(CanChainTest, no_frame_carries_older_values_than_the_one_before) {
+TEST_P(CanChainTest, NoFrameCarriesOlderValuesThanTheOneBefore) {
     for_all_seeds([](const CanChain& chain) {
         std::uint32_t latest = 0;
         for (const Written& written : chain.b().written()) {
@@ -134,7 +134,7 @@ TEST_P(CanChainTest, no_frame_carries_older_values_than_the_one_before) {
     });
 }
 
-TEST_P(CanChainTest, good_values_are_not_older_than_the_timeouts_allow_until_the_next_frame) {
+TEST_P(CanChainTest, GoodValuesAreNotOlderThanTheTimeoutsAllowUntilTheNextFrame) {
     // If the format tells the age, the waiting at A counts at B, so the two timeouts do not add up.
     // No format can tell the time on the bus.
     const Duration allowed = kTimeout + GetParam().untold_age + kMostBusTime;
@@ -147,7 +147,7 @@ TEST_P(CanChainTest, good_values_are_not_older_than_the_timeouts_allow_until_the
     });
 }
 
-TEST_P(CanChainTest, the_end_of_the_input_ends_in_failsafe_through_the_bus) {
+TEST_P(CanChainTest, TheEndOfTheInputEndsInFailsafeThroughTheBus) {
     const Duration most_lost = kTimeout + GetParam().untold_age + kMostBusTime;
     for_all_seeds([&](const CanChain& chain) {
         const Instant last_input = chain.a().engine().inputs()[0].control().received;
@@ -160,7 +160,7 @@ TEST_P(CanChainTest, the_end_of_the_input_ends_in_failsafe_through_the_bus) {
     });
 }
 
-TEST_P(CanChainTest, the_loss_of_the_bus_is_marked_within_the_timeout_then_failsafe) {
+TEST_P(CanChainTest, TheLossOfTheBusIsMarkedWithinTheTimeoutThenFailsafe) {
     for (const double loss : {0.0, 0.05}) {
         const CanChain chain = interrupted(loss);
         const Instant lost =
@@ -177,7 +177,7 @@ TEST_P(CanChainTest, the_loss_of_the_bus_is_marked_within_the_timeout_then_fails
     }
 }
 
-TEST_P(CanChainTest, the_return_of_the_bus_gives_control_back_after_recover) {
+TEST_P(CanChainTest, TheReturnOfTheBusGivesControlBackAfterRecover) {
     for (const double loss : {0.0, 0.05}) {
         const CanChain chain = interrupted(loss);
         const Instant good =
@@ -188,7 +188,7 @@ TEST_P(CanChainTest, the_return_of_the_bus_gives_control_back_after_recover) {
     }
 }
 
-TEST_P(CanChainTest, a_clean_bus_loses_no_snapshot_but_the_two_of_the_proof) {
+TEST_P(CanChainTest, ACleanBusLosesNoSnapshotButTheTwoOfTheProof) {
     const CanChain chain({.protocol = GetParam().protocol,
                           .format = GetParam().lines,
                           .sender_lines = GetParam().sender_lines,
@@ -197,7 +197,7 @@ TEST_P(CanChainTest, a_clean_bus_loses_no_snapshot_but_the_two_of_the_proof) {
     EXPECT_GE(chain.snapshots_published() + 3, chain.snapshots_sent());
 }
 
-TEST_P(CanChainTest, allocates_nothing_after_start) {
+TEST_P(CanChainTest, AllocatesNothingAfterStart) {
     if (kSanitized) {
         GTEST_SKIP() << "a sanitizer has its own malloc";
     }
@@ -231,7 +231,7 @@ std::string row(const Format& format, double loss) {
         std::chrono::duration<double, std::milli>(oldest).count());
 }
 
-TEST(CanBehaviour, loss_and_format_to_published_snapshots_and_age_are_as_stored) {
+TEST(CanBehaviour, LossAndFormatToPublishedSnapshotsAndAgeAreAsStored) {
     std::string now =
         "# i.Bus -> A -> CAN that loses single frames -> B -> SBUS, 30 s, a snapshot each 7.7 ms.\n"
         "# Shares of the snapshots that A sent and B published, and of B's frames that are under\n"

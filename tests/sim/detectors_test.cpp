@@ -96,7 +96,7 @@ std::string seconds(const std::optional<Duration>& duration) {
                     : "never";
 }
 
-TEST(Detectors, time_to_failsafe_and_back_of_each_is_as_stored) {
+TEST(Detectors, TimeToFailsafeAndBackOfEachIsAsStored) {
     std::string table =
         "# Each detector alone against the loss that it is for, which lasts ten seconds: seconds\n"
         "# to failsafe, and from the end of the loss to control, at the SBUS output (timeout 100\n"

@@ -21,23 +21,23 @@ const Bytes kOfTheSameSum{0x20, 0x40, 0xad, 0xb7, 0xe8, 0x13, 0xdb, 0x76, 0x7c, 
                           0x73, 0xb9, 0x54, 0xf6, 0x05, 0x70, 0xd5, 0xad, 0x75, 0xea, 0x85,
                           0x27, 0xe6, 0x64, 0x36, 0xa1, 0x06, 0xde, 0x06, 0x38, 0xf1};
 
-TEST(HiddenDamage, is_another_frame_with_the_right_sum_and_values_of_sticks) {
+TEST(HiddenDamage, IsAnotherFrameWithTheRightSumAndValuesOfSticks) {
     EXPECT_TRUE(damage_is_hidden(kOfTheSameSum, kSent));
 }
 
-TEST(HiddenDamage, is_found_behind_noise) {
+TEST(HiddenDamage, IsFoundBehindNoise) {
     Bytes received{0x11, 0x20};
     received.insert(received.end(), kOfTheSameSum.begin(), kOfTheSameSum.end());
     EXPECT_TRUE(damage_is_hidden(received, kSent));
 }
 
-TEST(HiddenDamage, is_not_in_a_frame_that_was_sent) {
+TEST(HiddenDamage, IsNotInAFrameThatWasSent) {
     Bytes received{0x11, 0x20};
     received.insert(received.end(), kSent.begin(), kSent.end());
     EXPECT_FALSE(damage_is_hidden(received, kSent));
 }
 
-TEST(HiddenDamage, shows_in_any_other_sum) {
+TEST(HiddenDamage, ShowsInAnyOtherSum) {
     for (std::size_t at = 0; at < kSent.size(); ++at) {
         Bytes received = kOfTheSameSum;
         received[at] ^= 0x01;
@@ -45,14 +45,14 @@ TEST(HiddenDamage, shows_in_any_other_sum) {
     }
 }
 
-TEST(HiddenDamage, shows_in_values_that_no_stick_has) {
+TEST(HiddenDamage, ShowsInValuesThatNoStickHas) {
     Bytes received = kSent;  // 1965 and 1000 us become 173 and 2792 us, with the same sum
     received[3] = 0xb0;
     received[5] = 0x1a;
     EXPECT_FALSE(damage_is_hidden(received, kSent));
 }
 
-TEST(HiddenDamage, is_not_in_a_frame_that_lost_bytes) {
+TEST(HiddenDamage, IsNotInAFrameThatLostBytes) {
     for (std::size_t count = 0; count < kSent.size(); ++count) {
         EXPECT_FALSE(damage_is_hidden(std::span(kOfTheSameSum).first(count), kSent)) << count;
     }

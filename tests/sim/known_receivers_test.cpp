@@ -28,7 +28,7 @@ Flight pilot_of(const KnownReceiver& receiver) {
 
 class KnownReceivers : public testing::TestWithParam<KnownReceiver> {};
 
-TEST_P(KnownReceivers, loss_is_recognised_with_the_lines_that_learn_prints_or_said_not_to_be) {
+TEST_P(KnownReceivers, LossIsRecognisedWithTheLinesThatLearnPrintsOrSaidNotToBe) {
     const KnownReceiver& receiver = GetParam();
     const LossStudyResult learned = study(receiver);
     const LossRun run = run_with(learned, receiver, pilot_of(receiver));
@@ -40,7 +40,7 @@ TEST_P(KnownReceivers, loss_is_recognised_with_the_lines_that_learn_prints_or_sa
         << "failsafe goes on although the transmitter is back";
 }
 
-TEST_P(KnownReceivers, loss_ends_in_failsafe_no_later_than_its_kind_allows) {
+TEST_P(KnownReceivers, LossEndsInFailsafeNoLaterThanItsKindAllows) {
     const KnownReceiver& receiver = GetParam();
     const LossStudyResult learned = study(receiver);
     const LossRun run = run_with(learned, receiver, pilot_of(receiver));
@@ -78,7 +78,7 @@ std::string seconds(const std::optional<Duration>& duration) {
     return duration ? fmt::format("{:.2f}", std::chrono::duration<double>(*duration).count()) : "-";
 }
 
-TEST(KnownReceiversTable, what_is_learned_of_each_and_its_times_are_as_stored) {
+TEST(KnownReceiversTable, WhatIsLearnedOfEachAndItsTimesAreAsStored) {
     std::string table =
         "# Each receiver of docs/protocols/ibus.md, \"Loss of signal\", and of\n"
         "# docs/protocols/sbus.md, \"Flags\", loses its transmitter for ten seconds. Time from\n"

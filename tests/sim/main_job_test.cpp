@@ -51,7 +51,7 @@ class MainJob : public testing::Test {
     }
 };
 
-TEST_F(MainJob, never_writes_two_frames_closer_than_readers_take_nor_three_within_a_period) {
+TEST_F(MainJob, NeverWritesTwoFramesCloserThanReadersTakeNorThreeWithinAPeriod) {
     for_all_seeds([](const Simulation& simulation) {
         const auto& written = simulation.written();
         ASSERT_GT(written.size(), 1000U);
@@ -62,7 +62,7 @@ TEST_F(MainJob, never_writes_two_frames_closer_than_readers_take_nor_three_withi
     });
 }
 
-TEST_F(MainJob, writes_at_most_one_frame_a_period_over_any_time) {
+TEST_F(MainJob, WritesAtMostOneFrameAPeriodOverAnyTime) {
     for_all_seeds([](const Simulation& simulation) {
         const auto& written = simulation.written();
         for (const std::size_t frames : {10U, 100U, 1000U}) {
@@ -73,7 +73,7 @@ TEST_F(MainJob, writes_at_most_one_frame_a_period_over_any_time) {
     });
 }
 
-TEST_F(MainJob, never_pauses_longer_than_two_periods_and_a_tick) {
+TEST_F(MainJob, NeverPausesLongerThanTwoPeriodsAndATick) {
     for_all_seeds([](const Simulation& simulation) {
         const auto& written = simulation.written();
         for (std::size_t i = 1; i < written.size(); ++i) {
@@ -82,7 +82,7 @@ TEST_F(MainJob, never_pauses_longer_than_two_periods_and_a_tick) {
     });
 }
 
-TEST_F(MainJob, frames_in_control_carry_a_frame_that_was_sent_and_no_older_one_than_before) {
+TEST_F(MainJob, FramesInControlCarryAFrameThatWasSentAndNoOlderOneThanBefore) {
     for_all_seeds([](const Simulation& simulation) {
         std::uint32_t latest = 0;
         for (const Written& written : simulation.written()) {
@@ -97,7 +97,7 @@ TEST_F(MainJob, frames_in_control_carry_a_frame_that_was_sent_and_no_older_one_t
     });
 }
 
-TEST_F(MainJob, on_a_clean_wire_every_frame_carries_the_newest_input) {
+TEST_F(MainJob, OnACleanWireEveryFrameCarriesTheNewestInput) {
     for (const Duration period : {Duration(4ms), Duration(7700us), Duration(20ms)}) {
         Simulation simulation(configuration_of(main_job()),
                               {Sender{.period = period, .last = kInputEnds, .faults = {}}}, 1);
@@ -113,7 +113,7 @@ TEST_F(MainJob, on_a_clean_wire_every_frame_carries_the_newest_input) {
     }
 }
 
-TEST_F(MainJob, unmarked_values_are_never_older_than_the_timeout_until_the_next_frame) {
+TEST_F(MainJob, UnmarkedValuesAreNeverOlderThanTheTimeoutUntilTheNextFrame) {
     for_all_seeds([](const Simulation& simulation) {
         const auto& written = simulation.written();
         for (std::size_t i = 0; i + 1 < written.size(); ++i) {
@@ -125,7 +125,7 @@ TEST_F(MainJob, unmarked_values_are_never_older_than_the_timeout_until_the_next_
     });
 }
 
-TEST_F(MainJob, after_the_input_ends_it_says_frame_lost_within_the_timeout_then_failsafe) {
+TEST_F(MainJob, AfterTheInputEndsItSaysFrameLostWithinTheTimeoutThenFailsafe) {
     for_all_seeds([](const Simulation& simulation) {
         const auto& written = simulation.written();
         const Instant last_good = simulation.engine().inputs()[0].control().received;
@@ -148,14 +148,14 @@ TEST_F(MainJob, after_the_input_ends_it_says_frame_lost_within_the_timeout_then_
     });
 }
 
-TEST_F(MainJob, allocates_nothing_after_start) {
+TEST_F(MainJob, AllocatesNothingAfterStart) {
     if (kSanitized) {
         GTEST_SKIP() << "a sanitizer has its own malloc";
     }
     for_all_seeds([](const Simulation& simulation) { EXPECT_EQ(simulation.allocations(), 0U); });
 }
 
-TEST(HeapTrapTest, sees_an_allocation) {
+TEST(HeapTrapTest, SeesAnAllocation) {
     if (kSanitized) {
         GTEST_SKIP() << "a sanitizer has its own malloc";
     }

@@ -53,40 +53,40 @@ void expect_promises_kept(std::uint64_t seeds, WorldKind kind, OwnTroubles own =
                   [&](std::uint64_t seed) { EXPECT_EQ(broken_in(seed, kind, own), std::nullopt); });
 }
 
-TEST(NeverStale, no_random_world_breaks_a_promise) {
+TEST(NeverStale, NoRandomWorldBreaksAPromise) {
     expect_promises_kept(150, WorldKind::serial);
 }
 
-TEST(NeverStale, no_random_world_with_can_breaks_a_promise) {
+TEST(NeverStale, NoRandomWorldWithCanBreaksAPromise) {
     expect_promises_kept(75, WorldKind::with_can);
 }
 
-TEST(NeverStale, no_reload_in_a_random_world_breaks_a_promise) {
+TEST(NeverStale, NoReloadInARandomWorldBreaksAPromise) {
     expect_promises_kept(50, WorldKind::with_can, kReloads);
 }
 
-TEST(NeverStale, no_reader_that_stalls_in_a_random_world_breaks_a_promise) {
+TEST(NeverStale, NoReaderThatStallsInARandomWorldBreaksAPromise) {
     expect_promises_kept(75, WorldKind::with_can, kStalls);
 }
 
-TEST(NeverStaleInManyWorlds, no_random_world_breaks_a_promise) {
+TEST(NeverStaleInManyWorlds, NoRandomWorldBreaksAPromise) {
     expect_promises_kept(600, WorldKind::serial);
 }
 
-TEST(NeverStaleInManyWorlds, no_random_world_with_can_breaks_a_promise) {
+TEST(NeverStaleInManyWorlds, NoRandomWorldWithCanBreaksAPromise) {
     expect_promises_kept(300, WorldKind::with_can);
 }
 
-TEST(NeverStaleInManyWorlds, no_reload_in_a_random_world_breaks_a_promise) {
+TEST(NeverStaleInManyWorlds, NoReloadInARandomWorldBreaksAPromise) {
     expect_promises_kept(200, WorldKind::with_can, kReloads);
 }
 
-TEST(NeverStaleInManyWorlds, no_reader_that_stalls_in_a_random_world_breaks_a_promise) {
+TEST(NeverStaleInManyWorlds, NoReaderThatStallsInARandomWorldBreaksAPromise) {
     expect_promises_kept(300, WorldKind::with_can, kStalls);
 }
 
 /// Seeds that tests/sim/run.sh found before the faults were fixed.
-TEST(NeverStale, no_world_that_broke_one_once_does_again) {
+TEST(NeverStale, NoWorldThatBrokeOneOnceDoesAgain) {
     std::ifstream file(std::string(TRIBUS_SOURCE_DIR) + "/tests/sim/regression_seeds.txt");
     ASSERT_TRUE(file);
     for (std::string line; std::getline(file, line);) {

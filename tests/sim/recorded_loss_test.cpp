@@ -52,7 +52,7 @@ std::vector<ChannelFrame> recorded_frames(const RecordedFlight& flight, Capture 
 
 class RecordedLoss : public testing::TestWithParam<std::tuple<RecordedFlight, Capture>> {};
 
-TEST_P(RecordedLoss, is_recognised_in_each_known_way_and_nothing_before_is_taken_for_it) {
+TEST_P(RecordedLoss, IsRecognisedInEachKnownWayAndNothingBeforeIsTakenForIt) {
     const auto& [recorded, capture] = GetParam();
     const std::vector<ChannelFrame> frames = recorded_frames(recorded, capture);
     ASSERT_GT(frames.size(), 80U);

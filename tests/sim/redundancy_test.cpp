@@ -233,7 +233,7 @@ std::string milliseconds(Duration duration) {
                : fmt::format("{:.0f}", std::chrono::duration<double, std::milli>(duration).count());
 }
 
-TEST(Redundancy, what_a_reader_meets_when_the_first_receiver_fails_is_as_stored) {
+TEST(Redundancy, WhatAReaderMeetsWhenTheFirstReceiverFailsIsAsStored) {
     std::string table =
         "# Three receivers hear the same stick, which moves at up to 400 us/s; they are 5 us "
         "apart\n"
@@ -255,7 +255,7 @@ TEST(Redundancy, what_a_reader_meets_when_the_first_receiver_fails_is_as_stored)
     expect_stored("redundancy.txt", table);
 }
 
-TEST(Redundancy, with_a_median_no_failure_of_one_changes_a_frame_by_more_than_their_calibration) {
+TEST(Redundancy, WithAMedianNoFailureOfOneChangesAFrameByMoreThanTheirCalibration) {
     // The frames of one cycle may be up to one period of the receivers apart.
     constexpr double kMoved = kStickSpeed * 0.007;
     const double calibration = kCalibration[2] - kCalibration[0];

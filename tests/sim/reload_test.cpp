@@ -140,7 +140,7 @@ class Unchanged : public testing::TestWithParam<Target> {
     }
 };
 
-TEST_P(Unchanged, path_says_what_it_says_without_reloads_frame_by_frame) {
+TEST_P(Unchanged, PathSaysWhatItSaysWithoutReloadsFrameByFrame) {
     for (const char* schedule :
          {"", "schedule = \"grid\"\n", "schedule = \"grid\"\nphase = \"locked\"\n"}) {
         const auto expected = run(schedule, false);
@@ -164,7 +164,7 @@ INSTANTIATE_TEST_SUITE_P(
         Target{"dronecan", "protocol = \"dronecan\"\ninterface = \"can0\"\nnode_id = 42\n"}),
     [](const testing::TestParamInfo<Target>& target) { return target.param.name; });
 
-TEST(Reload, takes_a_new_map_with_the_next_frame_and_without_failsafe) {
+TEST(Reload, TakesANewMapWithTheNextFrameAndWithoutFailsafe) {
     ReloadRun run(sbus_job());
     for (Instant when = at(5ms); when < at(1s); when += kInterval) {
         if (when > at(500ms) && when < at(500ms) + kInterval) {
@@ -182,7 +182,7 @@ TEST(Reload, takes_a_new_map_with_the_next_frame_and_without_failsafe) {
     EXPECT_EQ(run.output("servos").counts().failsafe_entries, 0U);
 }
 
-TEST(Reload, begins_a_new_slew_where_the_output_stands) {
+TEST(Reload, BeginsANewSlewWhereTheOutputStands) {
     ReloadRun run(sbus_job());
     for (Instant when = at(5ms); when < at(200ms); when += kInterval) {
         run.receive("receiver", ibus_frame(1000), when);
@@ -194,7 +194,7 @@ TEST(Reload, begins_a_new_slew_where_the_output_stands) {
     EXPECT_LE(frame.raw[0], raw_of(1040)) << "the output jumped";
 }
 
-TEST(Reload, lets_the_timers_of_a_failsafe_run_on_and_takes_new_presets) {
+TEST(Reload, LetsTheTimersOfAFailsafeRunOnAndTakesNewPresets) {
     ReloadRun run(sbus_job("", "hold = \"300ms\"\npreset = { 1 = 1200, other = 1500 }"));
     sticks(run, at(5ms), at(200ms));
     // The input is lost at about 300 ms and held to about 600 ms.
@@ -206,7 +206,7 @@ TEST(Reload, lets_the_timers_of_a_failsafe_run_on_and_takes_new_presets) {
     EXPECT_EQ(run.output("servos").counts().failsafe_entries, 1U);
 }
 
-TEST(Reload, asks_for_the_rest_of_a_recovery_not_for_all_of_it) {
+TEST(Reload, AsksForTheRestOfARecoveryNotForAllOfIt) {
     ReloadRun run(sbus_job("", "recover = \"500ms\""));
     sticks(run, at(5ms), at(200ms));
     sticks(run, at(1000ms), at(1300ms));
@@ -220,7 +220,7 @@ TEST(Reload, asks_for_the_rest_of_a_recovery_not_for_all_of_it) {
     EXPECT_LE(back->at, at(1520ms));
 }
 
-TEST(Reload, counts_a_shorter_timeout_at_once) {
+TEST(Reload, CountsAShorterTimeoutAtOnce) {
     std::string patient = sbus_job();
     patient.replace(patient.find("\"100ms\""), 7, "\"5s\"");
     ReloadRun run(patient);
@@ -230,7 +230,7 @@ TEST(Reload, counts_a_shorter_timeout_at_once) {
     EXPECT_TRUE(at_time(run, at(320ms)).frame_lost);
 }
 
-TEST(Reload, takes_a_shorter_period_from_the_next_frame_on) {
+TEST(Reload, TakesAShorterPeriodFromTheNextFrameOn) {
     std::string slow = sbus_job();
     slow.replace(slow.find("\"9ms\""), 5, "\"1s\"");
     slow.replace(slow.find("timeout = \"100ms\""), 17, "timeout = \"5s\"");
@@ -255,7 +255,7 @@ std::string with_inputs(const std::string& inputs, const std::string& from) {
     return text;
 }
 
-TEST(Reload, that_removes_the_input_in_control_holds_and_then_fails_safe_as_after_a_loss) {
+TEST(Reload, ThatRemovesTheInputInControlHoldsAndThenFailsSafeAsAfterALoss) {
     ReloadRun run(sbus_job("", "hold = \"300ms\""));
     sticks(run, at(5ms), at(500ms));
     const auto before = at_time(run, at(500ms));
@@ -267,7 +267,7 @@ TEST(Reload, that_removes_the_input_in_control_holds_and_then_fails_safe_as_afte
     EXPECT_TRUE(at_time(run, at(820ms)).failsafe);
 }
 
-TEST(Reload, that_removes_the_input_in_control_passes_it_to_a_healthy_backup_at_once) {
+TEST(Reload, ThatRemovesTheInputInControlPassesItToAHealthyBackupAtOnce) {
     const std::string both = std::string(kReceiver) + kBackup;
     ReloadRun run(with_inputs(both, "[\"receiver\", \"backup\"]"));
     for (Instant when = at(5ms); when < at(500ms); when += kInterval) {
@@ -284,7 +284,7 @@ TEST(Reload, that_removes_the_input_in_control_passes_it_to_a_healthy_backup_at_
     EXPECT_EQ(run.output("servos").counts().changeovers, 1U);
 }
 
-TEST(Reload, that_adds_a_preferred_input_leaves_control_where_it_is_until_that_has_a_frame) {
+TEST(Reload, ThatAddsAPreferredInputLeavesControlWhereItIsUntilThatHasAFrame) {
     const std::string both = std::string(kBackup) + kReceiver;
     ReloadRun run(sbus_job());
     for (Instant when = at(5ms); when < at(500ms); when += kInterval) {
@@ -298,7 +298,7 @@ TEST(Reload, that_adds_a_preferred_input_leaves_control_where_it_is_until_that_h
     EXPECT_EQ(at_time(run, at(545ms)).raw[0], raw_of(1700));
 }
 
-TEST(Reload, that_removes_an_output_lets_it_say_its_last_frames_while_the_others_go_on) {
+TEST(Reload, ThatRemovesAnOutputLetsItSayItsLastFramesWhileTheOthersGoOn) {
     const std::string extra = R"([output.extra]
 protocol = "sbus"
 device = "/dev/ttyD"
@@ -325,7 +325,7 @@ power_on = "0s"
     EXPECT_EQ(run.said("servos"), without.said("servos"));
 }
 
-TEST(Reload, keeps_a_port_that_was_only_renamed) {
+TEST(Reload, KeepsAPortThatWasOnlyRenamed) {
     std::string renamed = sbus_job();
     for (std::size_t place = 0; (place = renamed.find("receiver")) != std::string::npos;) {
         renamed.replace(place, 8, "rx");
@@ -338,7 +338,7 @@ TEST(Reload, keeps_a_port_that_was_only_renamed) {
     EXPECT_FALSE(at_time(run, at(550ms)).frame_lost);
 }
 
-TEST(Reload, lets_a_changed_input_start_as_never_seen) {
+TEST(Reload, LetsAChangedInputStartAsNeverSeen) {
     std::string moved = sbus_job();
     moved.replace(moved.find("/dev/ttyA"), 9, "/dev/ttyZ");
     ReloadRun run(sbus_job());
@@ -351,7 +351,7 @@ TEST(Reload, lets_a_changed_input_start_as_never_seen) {
 
 /// The native format proves its counter again after each doubt: a decoder that started again would
 /// lose two snapshots.
-TEST(Reload, keeps_the_proof_of_a_can_input_and_half_a_snapshot) {
+TEST(Reload, KeepsTheProofOfACanInputAndHalfASnapshot) {
     const std::string job = R"([input.receiver]
 protocol = "can"
 interface = "can0"

@@ -78,13 +78,13 @@ std::vector<Said> talk(bool reloads) {
     return run.said("probes");
 }
 
-TEST(ReloadOfValues, goes_on_with_an_unchanged_sensor_bus_request_by_request) {
+TEST(ReloadOfValues, GoesOnWithAnUnchangedSensorBusRequestByRequest) {
     const auto expected = talk(false);
     EXPECT_GT(expected.size(), 300U);
     EXPECT_EQ(talk(true), expected);
 }
 
-TEST(ReloadOfValues, begins_a_changed_sensor_bus_anew) {
+TEST(ReloadOfValues, BeginsAChangedSensorBusAnew) {
     ReloadRun run(kProbes);
     run.run_until(at(2s));
     EXPECT_GT(run.bus_state("probes").receiver.requests, 100U);
@@ -92,7 +92,7 @@ TEST(ReloadOfValues, begins_a_changed_sensor_bus_anew) {
     EXPECT_LE(run.bus_state("probes").receiver.requests, 1U);
 }
 
-TEST(ReloadOfValues, keeps_the_answers_of_an_unchanged_role_of_sensors) {
+TEST(ReloadOfValues, KeepsTheAnswersOfAnUnchangedRoleOfSensors) {
     const std::string job = bus("telemetry", R"(role = "sensor"
 [[sensor_bus.telemetry.sensor]]
 type = "external_voltage"

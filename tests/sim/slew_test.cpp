@@ -17,11 +17,11 @@ void expect_no_larger_step(std::uint64_t seeds) {
     });
 }
 
-TEST(Slew, is_kept_in_random_worlds_with_losses_reloads_and_stalls) {
+TEST(Slew, IsKeptInRandomWorldsWithLossesReloadsAndStalls) {
     expect_no_larger_step(100);
 }
 
-TEST(SlewInManyWorlds, is_kept_with_losses_reloads_and_stalls) {
+TEST(SlewInManyWorlds, IsKeptWithLossesReloadsAndStalls) {
     expect_no_larger_step(2000);
 }
 

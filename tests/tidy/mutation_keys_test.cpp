@@ -24,7 +24,7 @@ std::string word(const Table& table, std::string_view key) {
     return text != nullptr ? *text : std::string{};
 }
 
-TEST(EquivalentMutations, each_has_a_key_of_its_own_a_file_that_is_there_and_a_reason) {
+TEST(EquivalentMutations, EachHasAKeyOfItsOwnAFileThatIsThereAndAReason) {
     const std::string root = std::string(TRIBUS_SOURCE_DIR) + "/";
     const auto list =
         parse_toml(read_file(root + "tests/mutation/equivalent.toml", kMostBytes).value_or(""));

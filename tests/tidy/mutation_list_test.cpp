@@ -47,11 +47,11 @@ std::vector<Mutation> mutations() {
     return all;
 }
 
-TEST(MutationList, has_at_least_forty) {
+TEST(MutationList, HasAtLeastForty) {
     EXPECT_GE(mutations().size(), 40U);
 }
 
-TEST(MutationList, what_is_changed_stands_exactly_once_in_its_file) {
+TEST(MutationList, WhatIsChangedStandsExactlyOnceInItsFile) {
     for (const Mutation& mutation : mutations()) {
         const std::string text = source(mutation.file);
         const std::size_t first = text.find(mutation.text);
@@ -60,13 +60,13 @@ TEST(MutationList, what_is_changed_stands_exactly_once_in_its_file) {
     }
 }
 
-TEST(MutationList, what_stands_there_instead_is_something_else) {
+TEST(MutationList, WhatStandsThereInsteadIsSomethingElse) {
     for (const Mutation& mutation : mutations()) {
         EXPECT_NE(mutation.text, mutation.instead) << mutation.name;
     }
 }
 
-TEST(MutationList, each_was_noticed_by_a_test) {
+TEST(MutationList, EachWasNoticedByATest) {
     const std::string record = source("tests/mutation/caught.md");
     for (const Mutation& mutation : mutations()) {
         EXPECT_NE(record.find("| " + mutation.name + " | `" + mutation.file + "` | `"),
@@ -75,7 +75,7 @@ TEST(MutationList, each_was_noticed_by_a_test) {
     }
 }
 
-TEST(MutationList, names_tell_mutations_apart) {
+TEST(MutationList, NamesTellMutationsApart) {
     std::set<std::string> names;
     for (const Mutation& mutation : mutations()) {
         EXPECT_TRUE(names.insert(mutation.name).second) << mutation.name;

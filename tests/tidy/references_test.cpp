@@ -32,7 +32,7 @@ bool is_page(const fs::path& file) {
     return file.extension() == ".md";
 }
 
-TEST(References, what_a_page_links_to_is_there) {
+TEST(References, WhatAPageLinksToIsThere) {
     std::size_t found = 0;
     for (const fs::path& file : project_files()) {
         if (!is_page(file)) {
@@ -163,7 +163,7 @@ std::vector<std::string> dead_parts(const fs::path& file, const Citation& citati
     return wrong;
 }
 
-TEST(References, pages_and_sections_that_comments_name_are_there) {
+TEST(References, PagesAndSectionsThatCommentsNameAreThere) {
     std::size_t found = 0;
     for (const fs::path& file : project_files()) {
         // Vectors name the pages of those who published them.
@@ -184,7 +184,7 @@ TEST(References, pages_and_sections_that_comments_name_are_there) {
 
 // --- That all of this finds what is wrong --------------------------------------------------------
 
-TEST(References, a_dead_link_is_found) {
+TEST(References, ADeadLinkIsFound) {
     const fs::path page = "tests/README.md";
     EXPECT_FALSE(dead_link(kRoot, page, "fuzz/README.md"));
     EXPECT_FALSE(dead_link(kRoot, page, "lab"));
@@ -197,22 +197,22 @@ TEST(References, a_dead_link_is_found) {
     EXPECT_TRUE(dead_link(kRoot, page, "/etc/passwd"));
 }
 
-TEST(References, links_are_told_from_code) {
+TEST(References, LinksAreToldFromCode) {
     EXPECT_EQ(links_in("[a](b.md), `[c](d.md)`, [two\nlines](e.md#f)\n```\n[g](h.md)\n```\n"),
               (std::vector<std::string>{"b.md", "e.md#f"}));
 }
 
-TEST(References, anchors_are_those_of_github) {
+TEST(References, AnchorsAreThoseOfGithub) {
     EXPECT_EQ(anchors_in("# A b, c: `d`\n```\n# none\n```\n## x_y – z\n## Same\n## Same\n"),
               (std::set<std::string>{"a-b-c-d", "x_y--z", "same", "same-1"}));
 }
 
-TEST(References, a_page_sets_anchors_of_its_own) {
+TEST(References, APageSetsAnchorsOfItsOwn) {
     EXPECT_EQ(anchors_in("| <a id=\"input-timeout\"></a>`timeout` |\n"),
               std::set<std::string>{"input-timeout"});
 }
 
-TEST(References, a_citation_goes_over_lines_and_names_several_sections) {
+TEST(References, ACitationGoesOverLinesAndNamesSeveralSections) {
     const auto comments = comments_in(
         "int a = 1;  // see b.md\nchar c[] = \"// d.md\";\n/// (e.md, \"One\n/// two\" and\n/// "
         "\"Three\", f.md 4.2)\n",
@@ -225,7 +225,7 @@ TEST(References, a_citation_goes_over_lines_and_names_several_sections) {
     EXPECT_TRUE(citations[1].by_number);
 }
 
-TEST(References, a_dead_citation_is_found) {
+TEST(References, ADeadCitationIsFound) {
     const auto count = [](const std::string& page, const std::vector<std::string>& sections,
                           bool by_number = false) {
         return dead_parts("tests/tidy/references_test.cpp", {page, sections, by_number}).size();

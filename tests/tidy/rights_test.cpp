@@ -76,7 +76,7 @@ bool has_row(const std::string& page, const std::vector<std::string>& words) {
     return false;
 }
 
-TEST(Rights, OfEachRuleHaveAGroupThatThePackageMakes) {
+TEST(Rights, HaveAGroupThatThePackageMakesInEachRule) {
     const std::string made = source_text("deploy/sysusers/tribus.conf");
     ASSERT_GE(rules().size(), 5U);
     for (const Rule& rule : rules()) {
@@ -85,7 +85,7 @@ TEST(Rights, OfEachRuleHaveAGroupThatThePackageMakes) {
     }
 }
 
-TEST(Rights, OfEachRuleStandInTheTablesOfServiceAndSecurity) {
+TEST(Rights, StandInTheTablesOfServiceAndSecurityForEachRule) {
     for (const Rule& rule : rules()) {
         const std::string group = "`" + rule.group + "`";
         EXPECT_TRUE(has_row("docs/service.md", {"/dev/" + rule.devices, group})) << rule.text;
@@ -113,7 +113,7 @@ TEST(Rights, ToAVirtualKeyboardAreOfAGroupThatNoUnitHas) {
 }
 
 /// It talks to the network: no control socket, no key, no recording.
-TEST(Rights, OfTheBridgeAreToBeTold) {
+TEST(Rights, AreToBeToldForTheBridge) {
     const std::string unit = "tribus-mqtt.service";
     EXPECT_EQ(groups_of(unit), Words({"tribus-look"}));
     EXPECT_EQ(words_of(unit, "User"), Words({"tribus-mqtt"}));

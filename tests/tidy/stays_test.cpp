@@ -30,7 +30,7 @@ bool is_suite(const std::string& name) {
            all.find("TEST_P(" + name + ",") != std::string::npos;
 }
 
-TEST(Stays, each_line_of_the_table_names_tests_that_there_are) {
+TEST(Stays, EachLineOfTheTableNamesTestsThatThereAre) {
     std::istringstream page(source_text("docs/failsafe.md"));
     std::string line;
     while (std::getline(page, line) && line != "### What stays on an output") {

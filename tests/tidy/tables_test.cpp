@@ -61,7 +61,7 @@ std::vector<std::string> broken_rows(const std::string& page) {
     return wrong;
 }
 
-TEST(Tables, of_all_pages_are_whole) {
+TEST(Tables, AreWholeOnAllPages) {
     std::size_t rows = 0;
     for (const fs::path& page : project_files()) {
         if (page.extension() != ".md") {
@@ -76,7 +76,7 @@ TEST(Tables, of_all_pages_are_whole) {
     EXPECT_GT(rows, 1000U);
 }
 
-TEST(Tables, that_are_broken_are_found) {
+TEST(Tables, ThatAreBrokenAreFound) {
     const std::string table = "| a | b |\n|---|---|\n| c | d |\n";
     EXPECT_TRUE(broken_rows("text\n\n" + table + "\ntext\n").empty());
     EXPECT_TRUE(broken_rows(table + "| `e \\| f` | g |\n").empty());

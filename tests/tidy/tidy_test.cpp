@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
@@ -63,7 +64,7 @@ void expect_none(const std::vector<SourceLine>& lines, std::string_view rule, Is
 
 const std::vector<std::string_view> kProduct{"core", "transports", "pipelines", "config", "app"};
 
-TEST(Tidy, one_file_reads_the_clock) {
+TEST(Tidy, OneFileReadsTheClock) {
     expect_none(lines_of(kProduct), "ask pipelines/realtime/clock.h", [](const SourceLine& line) {
         return line.file != "pipelines/realtime/clock.cpp" &&
                has_any(line.text,
@@ -72,7 +73,7 @@ TEST(Tidy, one_file_reads_the_clock) {
     });
 }
 
-TEST(Tidy, core_codecs_and_pipelines_include_no_system_header_and_no_thread) {
+TEST(Tidy, CoreCodecsAndPipelinesIncludeNoSystemHeaderAndNoThread) {
     expect_none(lines_of({"core", "transports/codecs", "transports/registry", "pipelines"}),
                 "these layers are pure", [](const SourceLine& line) {
                     return line.file.find("realtime/") == std::string::npos &&
@@ -83,7 +84,7 @@ TEST(Tidy, core_codecs_and_pipelines_include_no_system_header_and_no_thread) {
                 });
 }
 
-TEST(Tidy, parser_and_port_do_not_know_each_other) {
+TEST(Tidy, ParserAndPortDoNotKnowEachOther) {
     expect_none(lines_of({"transports/codecs", "transports/links"}),
                 "a codec knows no link, a link no codec", [](const SourceLine& line) {
                     const bool codec = line.file.starts_with("transports/codecs");
@@ -141,7 +142,7 @@ void expect_rooms_in_order(const std::string& layer, std::string_view above, boo
         });
 }
 
-TEST(Tidy, a_room_includes_only_rooms_before_it_in_the_list) {
+TEST(Tidy, ARoomIncludesOnlyRoomsBeforeItInTheList) {
     expect_rooms_in_order("transports/codecs", "", true);
     expect_rooms_in_order("transports/links", "", true);
     expect_rooms_in_order("pipelines", "realtime/");
@@ -150,7 +151,7 @@ TEST(Tidy, a_room_includes_only_rooms_before_it_in_the_list) {
 }
 
 /// In the preset dev they are built without it.
-TEST(Tidy, tests_of_the_layers_below_do_not_run_the_program) {
+TEST(Tidy, TestsOfTheLayersBelowDoNotRunTheProgram) {
     expect_none(lines_of({"tests/unit/core", "tests/unit/transports", "tests/unit/pipelines"}),
                 "belongs to tests/unit/app or tests/loopback", [](const SourceLine& line) {
                     return has_any(line.text, {"TRIBUS_PROGRAM", "tests/support/shell.h",
@@ -158,7 +159,25 @@ TEST(Tidy, tests_of_the_layers_below_do_not_run_the_program) {
                 });
 }
 
-TEST(Tidy, no_line_is_longer_than_100_columns) {
+/// googletest allows no underscore in a name, and reports SUITE.NAME, which is read as a sentence.
+TEST(Tidy, NamesOfTestsAreWordsThatBeginWithCapitals) {
+    static const std::regex name(R"(^(TEST|TEST_F|TEST_P|RC_GTEST_\w*PROP)\(\w+,\s*(\w+).*)");
+    expect_none(lines_of({"tests"}), "the name is to read ThatItIsSo, and not to begin with Of",
+                [](const SourceLine& line) {
+                    std::smatch matched;
+                    if (!has_any(line.text, {"TEST", "PROP"}) ||
+                        !std::regex_match(line.text, matched, name)) {
+                        return false;
+                    }
+                    const std::string said = matched[2];
+                    return std::islower(static_cast<unsigned char>(said.front())) != 0 ||
+                           said.find('_') != std::string::npos ||
+                           (said.starts_with("Of") && said.size() > 2 &&
+                            std::isupper(static_cast<unsigned char>(said[2])) != 0);
+                });
+}
+
+TEST(Tidy, NoLineIsLongerThan100Columns) {
     expect_none(lines_of({"core", "transports", "pipelines", "config", "app", "tests"}), "too long",
                 [](const SourceLine& line) {
                     // Continuation bytes of UTF-8 take no column of their own.
@@ -170,14 +189,14 @@ TEST(Tidy, no_line_is_longer_than_100_columns) {
                 });
 }
 
-TEST(Tidy, nothing_is_left_to_do_in_a_comment) {
+TEST(Tidy, NothingIsLeftToDoInAComment) {
     expect_none(lines_of(kProduct), "do it, or file an issue", [](const SourceLine& line) {
         return has_any(line.text, {"TODO", "FIXME", "XXX", "HACK"});
     });
 }
 
 /// tests/README.md names tests by the beginnings of their names.
-TEST(Tidy, what_is_promised_is_shown_by_tests_that_there_are) {
+TEST(Tidy, WhatIsPromisedIsShownByTestsThatThereAre) {
     std::ifstream page(std::string(TRIBUS_SOURCE_DIR) + "/tests/README.md");
     std::string names;
     for (const auto& [file, number, text] : lines_of({"tests"})) {
@@ -198,7 +217,7 @@ TEST(Tidy, what_is_promised_is_shown_by_tests_that_there_are) {
 }
 
 /// The README's commands are called by their paths.
-TEST(Tidy, what_says_how_to_run_it_can_be_run) {
+TEST(Tidy, WhatSaysHowToRunItCanBeRun) {
     std::size_t found = 0;
     for (const std::string_view folder : {".ci", "deploy", "tests"}) {
         for (const auto& entry :
@@ -218,7 +237,7 @@ TEST(Tidy, what_says_how_to_run_it_can_be_run) {
 }
 
 /// Files of tests are compiled together, so names of one must not meet those of another.
-TEST(Tidy, a_file_of_tests_has_a_namespace_of_its_own_name) {
+TEST(Tidy, AFileOfTestsHasANamespaceOfItsOwnName) {
     const fs::path tests = fs::path(TRIBUS_SOURCE_DIR) / "tests";
     std::size_t seen = 0;
     for (const auto& entry : fs::recursive_directory_iterator(tests)) {
@@ -265,7 +284,7 @@ std::set<std::string> sources_with_a_command() {
 }
 
 /// What editors know of a source is the command that compiles it by itself.
-TEST(Tidy, every_source_has_a_command_of_its_own_in_dev) {
+TEST(Tidy, EverySourceHasACommandOfItsOwnInDev) {
     const std::set<std::string> commanded = sources_with_a_command();
     std::size_t seen = 0;
     for (const char* folder : {"core", "transports", "pipelines", "config", "app", "tests"}) {
@@ -281,14 +300,14 @@ TEST(Tidy, every_source_has_a_command_of_its_own_in_dev) {
     EXPECT_GT(seen, 1000U);
 }
 
-TEST(Tidy, the_top_list_of_the_build_has_at_most_200_lines) {
+TEST(Tidy, TheTopListOfTheBuildHasAtMost200Lines) {
     std::ifstream file(std::string(TRIBUS_SOURCE_DIR) + "/CMakeLists.txt");
     const auto lines = std::count(std::istreambuf_iterator<char>(file), {}, '\n');
     EXPECT_GT(lines, 50);
     EXPECT_LE(lines, 200) << "what is machinery goes to deploy/cmake";
 }
 
-TEST(Tidy, no_source_file_is_longer_than_400_lines) {
+TEST(Tidy, NoSourceFileIsLongerThan400Lines) {
     for (const SourceLine& line : lines_of(kProduct)) {
         EXPECT_NE(line.number, 401U) << line.file;
     }

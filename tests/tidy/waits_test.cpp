@@ -81,7 +81,7 @@ const std::map<std::string, std::map<std::string, std::string>>& all_found() {
     return all;
 }
 
-TEST(Tidy, what_is_no_loopback_test_waits_for_nothing) {
+TEST(Tidy, WhatIsNoLoopbackTestWaitsForNothing) {
     for (const auto& [file, kinds] : all_found()) {
         for (const auto& [kind, line] : kinds) {
             EXPECT_TRUE(kind == "thread" && kSubjectIsAThread.contains(file))
@@ -91,7 +91,7 @@ TEST(Tidy, what_is_no_loopback_test_waits_for_nothing) {
     }
 }
 
-TEST(Tidy, what_may_start_a_thread_does) {
+TEST(Tidy, WhatMayStartAThreadDoes) {
     for (const std::string& file : kSubjectIsAThread) {
         EXPECT_TRUE(all_found().contains(file)) << file;
     }

@@ -168,7 +168,7 @@ TEST_F(OpenEpoch, GoesOnWithTheNextConfigurationOnceItCouldStoreAgain) {
 }
 
 /// The same for the numbers of a key.
-TEST_F(OpenEpoch, OfAKeyGoesOnOnceItCouldStoreAgain) {
+TEST_F(OpenEpoch, GoesOnForAKeyOnceItCouldStoreAgain) {
     auto epoch = file();
     NumberReservation* numbers = &epoch->of_key(0xAA);
     ASSERT_TRUE(epoch->open(SettingScope::input));
@@ -241,7 +241,7 @@ TEST_F(OpenEpoch, HasNumbersOfItsOwnForEachKey) {
 }
 
 /// A killed program forgets what it used of its reservation.
-TEST_F(OpenEpoch, OfAKeyBeginsAfterAllThatMayHaveBeenUsedWhereItsProgramWasKilled) {
+TEST_F(OpenEpoch, BeginsForAKeyAfterAllThatMayHaveBeenUsedWhereItsProgramWasKilled) {
     const pid_t child = ::fork();
     if (child == 0) {
         const auto epoch = file();
@@ -287,7 +287,7 @@ TEST_F(OpenEpoch, IsTheSameForAllConfigurationsOfAProgram) {
 }
 
 /// The numbers in the lost file were used with the same key.
-TEST_F(OpenEpoch, OfASenderThatLostItsFileBeginsAnywhere) {
+TEST_F(OpenEpoch, BeginsAnywhereForASenderThatLostItsFile) {
     std::set<std::uint64_t> first;
     for (const std::string name : {"a.epoch", "b.epoch", "c.epoch"}) {
         const auto epoch = EpochFile::of(folder_ / name);
@@ -304,7 +304,7 @@ std::uint64_t step_now() {
     return authenticated::clock_step(monotonic_now());
 }
 
-TEST_F(OpenEpoch, OfASenderGoesOnByTheClockThroughEveryRestart) {
+TEST_F(OpenEpoch, GoesOnByTheClockForASenderThroughEveryRestart) {
     std::uint64_t first = 0;
     // The machine may be busy while the file is opened.
     const std::uint64_t before = step_now();
@@ -336,7 +336,7 @@ TEST_F(OpenEpoch, OfASenderGoesOnByTheClockThroughEveryRestart) {
     EXPECT_TRUE(epoch->use(epoch->at(step_now()), kBlocks));
 }
 
-TEST_F(OpenEpoch, OfASenderBeginsADayLaterAfterAnotherStartOfTheMachine) {
+TEST_F(OpenEpoch, BeginsADayLaterForASenderAfterAnotherStartOfTheMachine) {
     for (const std::string clock :
          {"", "clock 00000000-0000-0000-0000-000000000000,time:[4026531834], 0 12345\n"}) {
         folder_.write("boat.epoch", text_of(5000) + clock);
@@ -347,7 +347,7 @@ TEST_F(OpenEpoch, OfASenderBeginsADayLaterAfterAnotherStartOfTheMachine) {
     }
 }
 
-TEST_F(OpenEpoch, OfASenderBeginsADayLaterWhereTheClockWentBack) {
+TEST_F(OpenEpoch, BeginsADayLaterForASenderWhereTheClockWentBack) {
     const ClockRun run = clock_run();
     const std::uint64_t ahead = 1'000'000'000'000'000;
     folder_.write("boat.epoch", text_of(ahead) + "clock " + run.name + " " +
@@ -357,7 +357,7 @@ TEST_F(OpenEpoch, OfASenderBeginsADayLaterWhereTheClockWentBack) {
     EXPECT_EQ(epoch->next(), ahead + authenticated::kNewClockNumbers);
 }
 
-TEST_F(OpenEpoch, OfASenderTakesAnotherClockAfterASuspend) {
+TEST_F(OpenEpoch, TakesAnotherClockForASenderAfterASuspend) {
     const auto epoch = file();
     ASSERT_TRUE(epoch->open(SettingScope::output));
     const std::uint64_t before = epoch->next();
@@ -377,7 +377,7 @@ TEST_F(OpenEpoch, OfASenderTakesAnotherClockAfterASuspend) {
     EXPECT_NE(stored().find(" " + std::to_string(later.asleep.count()) + " "), std::string::npos);
 }
 
-TEST_F(OpenEpoch, OfASenderThatIsDamagedIsRefused) {
+TEST_F(OpenEpoch, IsRefusedForASenderIfItIsDamaged) {
     for (const std::string clock :
          {"clock", "clock x\n", "clock x 1\n", "clock x 1 2", "clock x 1 2 3\n", "clock x -1 2\n",
           "clock x 1 2\nclock x 1 2\n"}) {

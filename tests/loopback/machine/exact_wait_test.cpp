@@ -33,14 +33,14 @@ class ExactWait : public testing::TestWithParam<bool> {
     std::array<epoll_event, 4> events_{};
 };
 
-TEST_P(ExactWait, returns_what_is_ready) {
+TEST_P(ExactWait, ReturnsWhatIsReady) {
     const std::uint64_t one = 1;
     ASSERT_EQ(::write(wake_up_.get(), &one, sizeof one), ssize_t{sizeof one});
     EXPECT_EQ(wait({.tv_sec = 10, .tv_nsec = 0}), 1);
     EXPECT_EQ(events_[0].data.u64, 7U);
 }
 
-TEST_P(ExactWait, does_not_return_before_a_timeout_that_is_no_whole_millisecond) {
+TEST_P(ExactWait, DoesNotReturnBeforeATimeoutThatIsNoWholeMillisecond) {
     const Instant before = monotonic_now();
     EXPECT_EQ(wait({.tv_sec = 0, .tv_nsec = 1'700'000}), 0);
     EXPECT_GE(monotonic_now() - before, 1700us);

@@ -73,7 +73,7 @@ class FlightRecorderOf : public testing::Test {
     std::unique_ptr<FlightRecorder> recorder_;
 };
 
-TEST_F(FlightRecorderOf, ports_without_memory_fails_and_says_why) {
+TEST_F(FlightRecorderOf, PortsWithoutMemoryFailsAndSaysWhy) {
     {
         const NoMemory none;
         take_ring(0);
@@ -87,7 +87,7 @@ TEST_F(FlightRecorderOf, ports_without_memory_fails_and_says_why) {
         << answer;
 }
 
-TEST_F(FlightRecorderOf, one_port_with_memory_names_the_other_and_no_file_of_it) {
+TEST_F(FlightRecorderOf, OnePortWithMemoryNamesTheOtherAndNoFileOfIt) {
     {
         const NoMemory none;
         take_ring(0);

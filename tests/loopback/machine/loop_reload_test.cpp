@@ -235,7 +235,7 @@ void reload(const std::vector<LinkKind>& inputs_before, const std::vector<LinkKi
 
 class LoopReload : public testing::TestWithParam<LinkKind> {};
 
-TEST_P(LoopReload, drops_the_link) {
+TEST_P(LoopReload, DropsTheLink) {
     for (const LinkKind& stays : kinds()) {
         if (stays.name != GetParam().name) {
             reload({GetParam(), stays}, {stays});
@@ -244,7 +244,7 @@ TEST_P(LoopReload, drops_the_link) {
     }
 }
 
-TEST_P(LoopReload, adds_the_link) {
+TEST_P(LoopReload, AddsTheLink) {
     for (const LinkKind& stays : kinds()) {
         if (stays.name != GetParam().name) {
             reload({stays}, {GetParam(), stays});
@@ -252,7 +252,7 @@ TEST_P(LoopReload, adds_the_link) {
     }
 }
 
-TEST_P(LoopReload, adds_all_other_links_beside_it) {
+TEST_P(LoopReload, AddsAllOtherLinksBesideIt) {
     std::vector<LinkKind> all{GetParam()};
     for (const LinkKind& other : kinds()) {
         if (other.name != GetParam().name) {
@@ -263,7 +263,7 @@ TEST_P(LoopReload, adds_all_other_links_beside_it) {
     reload(all, {GetParam()});
 }
 
-TEST_P(LoopReload, changes_the_link_for_another) {
+TEST_P(LoopReload, ChangesTheLinkForAnother) {
     for (const LinkKind& other : kinds()) {
         if (other.name != GetParam().name) {
             reload({GetParam()}, {other});

@@ -42,7 +42,7 @@ std::optional<bool> after_a_day_asleep(Look look) {
                                                : std::optional(WEXITSTATUS(status) == 0);
 }
 
-TEST(Clock, counts_the_time_in_which_the_machine_was_suspended) {
+TEST(Clock, CountsTheTimeInWhichTheMachineWasSuspended) {
     const auto counts = after_a_day_asleep([] {
         const Duration awake = awake_time_now();
         return monotonic_now().time_since_epoch() - awake >= std::chrono::hours(24);

@@ -70,7 +70,7 @@ TEST_F(TextForAPerson, BreaksAtWordsAndIndents) {
     EXPECT_EQ(shown(), "3/4  Switch the\n     transmitter\n     off.\n");
 }
 
-TEST_F(TextForAPerson, OfAFailureBreaksAtWordsInATerminalAndIsOneLineElsewhere) {
+TEST_F(TextForAPerson, BreaksAFailureAtWordsInATerminalAndIsOneLineElsewhere) {
     {
         const StandardError error(terminal_of(20));
         EXPECT_EQ(complain("/dev/ttyUSB0: there is no such device", 1), 1);

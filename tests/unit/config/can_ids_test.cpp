@@ -51,7 +51,7 @@ TEST(CanIds, TwoOutputsOfOneInterfaceMayNotShareAny) {
               R"(file receives)"});
 }
 
-TEST(CanIds, OfDifferentInterfacesAreDifferentIds) {
+TEST(CanIds, OnDifferentInterfacesAreDifferentIds) {
     EXPECT_EQ(mistakes_in(outputs({"interface = \"can0\"", "interface = \"can1\""})), Lines{});
 }
 
@@ -66,12 +66,12 @@ TEST(CanIds, Of29BitsAreOthersThanThoseOf11) {
         Lines{});
 }
 
-TEST(CanIds, OfClassicAndFdFramesFitUnderOneBaseId) {
+TEST(CanIds, ForClassicAndFdFramesFitUnderOneBaseId) {
     EXPECT_EQ(mistakes_in(outputs({"interface = \"can0\"", "interface = \"can0\"\nfd = true"})),
               Lines{});
 }
 
-TEST(CanIds, OfTheFifthFrameAreFreeWith16Channels) {
+TEST(CanIds, ForTheFifthFrameAreFreeWith16Channels) {
     EXPECT_EQ(mistakes_in(outputs(
                   {"interface = \"can0\"\nchannels = 16", "interface = \"can0\"\nid = 0x304"})),
               Lines{});
@@ -86,7 +86,7 @@ TEST(CanIds, ThatAnOutputSendsMayNoInputOfTheFileListenTo) {
               R"(input of the same file receives)"});
 }
 
-TEST(CanIds, OfAnInputAndAnOutputSideBySideAreFine) {
+TEST(CanIds, AreFineForAnInputAndAnOutputSideBySide) {
     EXPECT_EQ(mistakes_in(input_and_output("", "id = 0x400")), Lines{});
 }
 

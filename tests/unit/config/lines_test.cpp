@@ -91,7 +91,7 @@ TEST(Lines, SelectAnInput) {
     EXPECT_EQ(configuration.lines[0].task.input, 1U);
 }
 
-TEST(Lines, OfButtonsAreSourcesOfChannels) {
+TEST(Lines, WithButtonsAreSourcesOfChannels) {
     const Configuration configuration = loaded(main_job_with(
         10,
         "[pipeline.main.channels]\n12 = { line = \"bind\" }\n[gpio.lamp]\nline = \"B\"\n"

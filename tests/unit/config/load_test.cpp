@@ -200,13 +200,13 @@ TEST(Load, SaysWhatIsWrongWithAFileThatIsNotThere) {
 }
 
 /// The disk may not be mounted yet. A mistake remains one however often the file is read.
-TEST(Load, OfAFileThatCannotBeReadMayGoWellAnotherTime) {
+TEST(Load, MayGoWellAnotherTimeForAFileThatCannotBeRead) {
     const auto missing = load_configuration_file("no-such-folder/no-such-file.toml");
     ASSERT_FALSE(missing);
     EXPECT_TRUE(may_be_temporary(missing.error()));
 }
 
-TEST(Load, OfAFileThatNamesOneThatCannotBeReadMayGoWellAnotherTime) {
+TEST(Load, MayGoWellAnotherTimeForAFileThatNamesOneThatCannotBeRead) {
     const std::string text =
         "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"/dev/ttyA\"\n"
         "[output.bus]\nprotocol = \"dbc\"\ninterface = \"can0\"\ndbc = \"none.dbc\"\n"

@@ -16,14 +16,14 @@ std::string with_recorder(std::string_view lines) {
     return main_job_with(10, "[recorder]\n" + std::string(lines));
 }
 
-TEST(RecorderTable, that_is_absent_records_nothing) {
+TEST(RecorderTable, ThatIsAbsentRecordsNothing) {
     const auto configuration = load_configuration(main_job_with(11, ""), "t.toml");
     ASSERT_TRUE(configuration);
     EXPECT_FALSE(configuration->recorder);
     EXPECT_EQ(effective_toml(*configuration).find("recorder"), std::string::npos);
 }
 
-TEST(RecorderTable, that_is_empty_has_every_default) {
+TEST(RecorderTable, ThatIsEmptyHasEveryDefault) {
     const auto configuration = load_configuration(with_recorder(""), "t.toml");
     ASSERT_TRUE(configuration);
     ASSERT_TRUE(configuration->recorder);
@@ -37,7 +37,7 @@ TEST(RecorderTable, that_is_empty_has_every_default) {
     EXPECT_EQ(configuration->recorder->space_mib, 100);
 }
 
-TEST(RecorderTable, means_the_same_in_its_effective_form) {
+TEST(RecorderTable, MeansTheSameInItsEffectiveForm) {
     const auto configuration = load_configuration(with_recorder(R"(directory = "/data/tribus"
 memory = 64
 before = "5s"
@@ -55,13 +55,13 @@ space = 10)"),
     EXPECT_EQ(again->recorder->keep, 3);
 }
 
-TEST(RecorderTable, wants_a_directory_that_does_not_depend_on_the_start) {
+TEST(RecorderTable, WantsADirectoryThatDoesNotDependOnTheStart) {
     EXPECT_EQ(mistakes_in(with_recorder("directory = \"recordings\"")),
               std::vector<std::string>{"t.toml:11:13: \"directory\" must not depend on where the "
                                        "program is started; allowed: a path that begins with /"});
 }
 
-TEST(RecorderTable, is_a_table) {
+TEST(RecorderTable, IsATable) {
     EXPECT_EQ(mistakes_in("recorder = true\n" + main_job_with(11, "")),
               std::vector<std::string>{
                   "t.toml:1:12: \"recorder\" is true; allowed: a table, [recorder]"});

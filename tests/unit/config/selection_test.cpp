@@ -30,7 +30,7 @@ PipelineConfig pipeline_with(std::string_view lines) {
     return configuration->pipelines.at(0);
 }
 
-TEST(Selection, is_by_priority_where_nobody_says_otherwise) {
+TEST(Selection, IsByPriorityWhereNobodySaysOtherwise) {
     const SelectionSettings selection = pipeline_with("").selection;
     EXPECT_EQ(selection.mode, SelectionMode::priority);
     EXPECT_EQ(selection.inputs, (std::vector<std::size_t>{0, 1, 2}));
@@ -38,14 +38,14 @@ TEST(Selection, is_by_priority_where_nobody_says_otherwise) {
     EXPECT_FALSE(selection.changeover_us_per_second);
 }
 
-TEST(Selection, has_four_modes) {
+TEST(Selection, HasFourModes) {
     EXPECT_EQ(pipeline_with("mode = \"sticky\"").selection.mode, SelectionMode::sticky);
     EXPECT_EQ(pipeline_with("mode = \"freshest\"").selection.mode, SelectionMode::freshest);
     EXPECT_EQ(pipeline_with("mode = \"median\"").selection.mode, SelectionMode::median);
     EXPECT_EQ(pipeline_with("mode = \"priority\"").selection.mode, SelectionMode::priority);
 }
 
-TEST(Selection, reads_tolerance_handover_and_changeover) {
+TEST(Selection, ReadsToleranceHandoverAndChangeover) {
     const SelectionSettings selection =
         pipeline_with(
             "mode = \"median\"\ntolerance = 30\nchangeover = \"500us/s\"\n"
@@ -58,7 +58,7 @@ TEST(Selection, reads_tolerance_handover_and_changeover) {
     EXPECT_EQ(selection.handover->channel, 7U);
 }
 
-TEST(FailsafeExit, reads_slew_power_on_and_release) {
+TEST(FailsafeExit, ReadsSlewPowerOnAndRelease) {
     const FailsafeSettings failsafe =
         pipeline_with(
             "[pipeline.main.failsafe]\nslew = \"800us/s\"\npower_on = \"5s\"\n"
@@ -71,7 +71,7 @@ TEST(FailsafeExit, reads_slew_power_on_and_release) {
     EXPECT_EQ(failsafe.release_when->below, Pulse::from_microseconds(1050));
 }
 
-TEST(FailsafeExit, of_one_output_may_differ) {
+TEST(FailsafeExit, MayDifferForOneOutput) {
     const FailsafeSettings failsafe = pipeline_with(
                                           "[pipeline.main.failsafe]\npower_on = \"5s\"\n"
                                           "[pipeline.main.failsafe.output.out]\npower_on = \"1s\"")
@@ -121,7 +121,7 @@ constexpr Wrong kMistakes[]{
 INSTANTIATE_TEST_SUITE_P(Mistakes, MistakeInSelection, ::testing::ValuesIn(kMistakes),
                          [](const auto& test) { return std::string(test.param.name); });
 
-TEST(MedianOfFewerThanThree, is_a_mistake) {
+TEST(MedianOfFewerThanThree, IsAMistake) {
     const std::string text = R"([input.a]
 protocol = "ibus"
 device = "/dev/ttyA"
@@ -142,7 +142,7 @@ mode = "median"
                   R"(one could not be outvoted; allowed: three or more inputs, or another mode)"});
 }
 
-TEST(MoreInputsThanAPipelineMayHave, are_a_mistake) {
+TEST(MoreInputsThanAPipelineMayHave, AreAMistake) {
     std::string text;
     std::string from;
     for (int i = 1; i <= 17; ++i) {
@@ -157,7 +157,7 @@ TEST(MoreInputsThanAPipelineMayHave, are_a_mistake) {
                   "t.toml:56:8: [pipeline.main] has 17 inputs; allowed: at most 16"});
 }
 
-TEST(HandoverOfOneInput, is_a_mistake) {
+TEST(HandoverOfOneInput, IsAMistake) {
     EXPECT_EQ(mistakes_in(main_job_with(10, "changeover = \"100us/s\"")),
               std::vector<std::string>{
                   R"(t.toml:10:1: "changeover" has no effect: [pipeline.main] has one input; )"

@@ -21,7 +21,7 @@ std::string sbus_with(std::string_view line) {
     return text.replace(text.find(device), device.size(), device + "\n" + std::string(line));
 }
 
-TEST(Supervision, of_sbus_reads_every_detector) {
+TEST(Supervision, ReadsEveryDetectorForSbus) {
     const auto configuration = load_configuration(sbus_with(R"(timeout = "50ms"
 failsafe_flag = false
 frame_lost_flag = false
@@ -52,7 +52,7 @@ failsafe_when = [{ all_zero = true }, { channel = 3, between = [985, 995] }])"),
     EXPECT_EQ(supervision.failsafe_when[1].between->high, Pulse::from_microseconds(995));
 }
 
-TEST(Supervision, knows_what_a_raw_zero_reads_in_the_scale_of_the_input) {
+TEST(Supervision, KnowsWhatARawZeroReadsInTheScaleOfTheInput) {
     const auto zero_with = [](std::string_view scale) {
         const auto configuration = load_configuration(sbus_with(scale), "t.toml");
         return configuration ? configuration->inputs.at(0).supervision.raw_zero : std::nullopt;
@@ -63,7 +63,7 @@ TEST(Supervision, knows_what_a_raw_zero_reads_in_the_scale_of_the_input) {
     EXPECT_FALSE(supervision_of("device = \"/dev/ttyA\"").raw_zero) << "i.Bus has none";
 }
 
-TEST(Supervision, of_an_input_has_a_map_of_its_own) {
+TEST(Supervision, HasAMapOfItsOwnForAnInput) {
     const auto configuration = load_configuration(
         main_job_with(3, "device = \"/dev/ttyA\"\n[input.receiver.map]\n3 = 1"), "t.toml");
     ASSERT_TRUE(configuration);

@@ -13,7 +13,7 @@ using namespace test::arrivals;
 
 using namespace std::chrono_literals;
 
-TEST(ArrivalClock, knows_no_interval_before_the_second_frame) {
+TEST(ArrivalClock, KnowsNoIntervalBeforeTheSecondFrame) {
     ArrivalClock arrivals;
     EXPECT_FALSE(arrivals.ever());
     arrivals.arrived(at(5ms));
@@ -21,13 +21,13 @@ TEST(ArrivalClock, knows_no_interval_before_the_second_frame) {
     EXPECT_EQ(arrivals.interval(), 0ms);
 }
 
-TEST(ArrivalClock, one_late_frame_hardly_changes_the_interval) {
+TEST(ArrivalClock, OneLateFrameHardlyChangesTheInterval) {
     ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 100);
     arrivals.arrived(arrivals.latest() + 9300us);
     EXPECT_EQ(arrivals.interval(), 7'700'904ns);
 }
 
-TEST(ArrivalClock, the_interval_of_frames_that_jitter_is_exact_to_a_thousandth) {
+TEST(ArrivalClock, TheIntervalOfFramesThatJitterIsExactToAThousandth) {
     std::minstd_rand random(4);
     ArrivalClock arrivals;
     for (int i = 0; i < 1000; ++i) {
@@ -38,7 +38,7 @@ TEST(ArrivalClock, the_interval_of_frames_that_jitter_is_exact_to_a_thousandth) 
     }
 }
 
-TEST(ArrivalClock, the_line_goes_through_the_middle_of_arrivals_that_jitter) {
+TEST(ArrivalClock, TheLineGoesThroughTheMiddleOfArrivalsThatJitter) {
     ArrivalClock arrivals;
     for (int i = 0; i < 1000; ++i) {
         arrivals.arrived(at(i * 7700us + (i % 2 == 0 ? 0us : 200us)));
@@ -47,7 +47,7 @@ TEST(ArrivalClock, the_line_goes_through_the_middle_of_arrivals_that_jitter) {
     EXPECT_NEAR(static_cast<double>(arrivals.lateness().count()), 100e3, 20e3);
 }
 
-TEST(ArrivalClock, the_line_starts_again_with_the_second_frame_with_the_same_error) {
+TEST(ArrivalClock, TheLineStartsAgainWithTheSecondFrameWithTheSameError) {
     ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 100);
     const Instant anew = arrivals.latest() + 3 * 7700us + 3ms;
     arrivals.arrived(anew);
@@ -56,7 +56,7 @@ TEST(ArrivalClock, the_line_starts_again_with_the_second_frame_with_the_same_err
     EXPECT_EQ(arrivals.fitted(), arrivals.latest());
 }
 
-TEST(ArrivalClock, frames_with_different_errors_do_not_restart_the_line) {
+TEST(ArrivalClock, FramesWithDifferentErrorsDoNotRestartTheLine) {
     ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 100);
     const Instant latest = arrivals.latest();
     arrivals.arrived(latest + 7700us + 2500us);
@@ -65,7 +65,7 @@ TEST(ArrivalClock, frames_with_different_errors_do_not_restart_the_line) {
     EXPECT_NEAR(static_cast<double>((arrivals.fitted() - latest - 3 * 7700us).count()), 0, 200e3);
 }
 
-TEST(ArrivalClock, two_frames_of_one_read_are_no_interval) {
+TEST(ArrivalClock, TwoFramesOfOneReadAreNoInterval) {
     ArrivalClock arrivals;
     arrivals.arrived(at(5ms));
     arrivals.arrived(at(5ms));
@@ -75,13 +75,13 @@ TEST(ArrivalClock, two_frames_of_one_read_are_no_interval) {
     EXPECT_EQ(arrivals.interval(), 7ms);
 }
 
-TEST(ArrivalClock, one_missing_frame_does_not_change_the_interval) {
+TEST(ArrivalClock, OneMissingFrameDoesNotChangeTheInterval) {
     ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 10);
     arrivals.arrived(arrivals.latest() + 2 * 7700us);
     EXPECT_EQ(arrivals.interval(), 7700us);
 }
 
-TEST(ArrivalClock, learns_a_new_period_from_a_few_frames) {
+TEST(ArrivalClock, LearnsANewPeriodFromAFewFrames) {
     ArrivalClock arrivals = arrivals_each(14ms, at(0ms), 10);
     for (int i = 0; i < 4; ++i) {
         arrivals.arrived(arrivals.latest() + 4ms);
@@ -89,7 +89,7 @@ TEST(ArrivalClock, learns_a_new_period_from_a_few_frames) {
     EXPECT_EQ(arrivals.interval(), 4ms);
 }
 
-TEST(ArrivalClock, knows_any_sender_after_forty_frames_whatever_came_before) {
+TEST(ArrivalClock, KnowsAnySenderAfterFortyFramesWhateverCameBefore) {
     for (Duration before = 1ms; before < 30ms; before += 370us) {
         for (Duration after = 4ms; after < 30ms; after += 410us) {
             ArrivalClock arrivals = arrivals_each(before, at(0ms), 300);
@@ -104,7 +104,7 @@ TEST(ArrivalClock, knows_any_sender_after_forty_frames_whatever_came_before) {
     }
 }
 
-TEST(ArrivalClock, one_odd_first_interval_is_not_taken_for_a_period_with_frames_missing) {
+TEST(ArrivalClock, OneOddFirstIntervalIsNotTakenForAPeriodWithFramesMissing) {
     // 7 ms are five quarters of 5.6 ms: every fifth would be missing.
     ArrivalClock arrivals = arrivals_each(4ms, at(0ms), 2);
     const Instant regular = arrivals.latest() + 5ms;
@@ -114,7 +114,7 @@ TEST(ArrivalClock, one_odd_first_interval_is_not_taken_for_a_period_with_frames_
     EXPECT_NEAR(static_cast<double>(arrivals.interval() / 1us), 7000, 10);
 }
 
-TEST(ArrivalClock, lateness_is_forgotten_where_frames_come_on_the_beat_again) {
+TEST(ArrivalClock, LatenessIsForgottenWhereFramesComeOnTheBeatAgain) {
     ArrivalClock arrivals;
     for (int frame = 0; frame < 400; ++frame) {
         arrivals.arrived(at(frame * 7ms + (frame % 4 == 0 ? 800us : 0us)));

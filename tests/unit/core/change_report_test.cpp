@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(ChangeReport, reports_each_change_while_the_limit_allows_it) {
+TEST(ChangeReport, ReportsEachChangeWhileTheLimitAllowsIt) {
     RateLimit limit(6, 30s);
     ChangeReport report(1);
     EXPECT_EQ(report.look(1, limit, Instant(0s)), std::nullopt);
@@ -16,7 +16,7 @@ TEST(ChangeReport, reports_each_change_while_the_limit_allows_it) {
     EXPECT_EQ(report.look(1, limit, Instant(3s)), 0U);
 }
 
-TEST(ChangeReport, a_change_that_had_to_wait_is_reported_as_soon_as_it_may) {
+TEST(ChangeReport, AChangeThatHadToWaitIsReportedAsSoonAsItMay) {
     RateLimit limit(1, 30s);
     ChangeReport report(1);
     EXPECT_EQ(report.look(2, limit, Instant(0s)), 0U);
@@ -28,7 +28,7 @@ TEST(ChangeReport, a_change_that_had_to_wait_is_reported_as_soon_as_it_may) {
     EXPECT_EQ(report.reported(), 3);
 }
 
-TEST(ChangeReport, a_change_that_was_undone_is_only_counted) {
+TEST(ChangeReport, AChangeThatWasUndoneIsOnlyCounted) {
     RateLimit limit(1, 30s);
     ChangeReport report(1);
     EXPECT_EQ(report.look(2, limit, Instant(0s)), 0U);
@@ -38,7 +38,7 @@ TEST(ChangeReport, a_change_that_was_undone_is_only_counted) {
     EXPECT_EQ(report.look(1, limit, Instant(32s)), 2U) << "to 3 and back";
 }
 
-TEST(ChangeReport, what_is_known_already_is_not_reported) {
+TEST(ChangeReport, WhatIsKnownAlreadyIsNotReported) {
     RateLimit limit(6, 30s);
     ChangeReport report(1);
     report.take_as_known(2);
@@ -46,7 +46,7 @@ TEST(ChangeReport, what_is_known_already_is_not_reported) {
     EXPECT_EQ(report.look(1, limit, Instant(1s)), 0U);
 }
 
-TEST(ChangeReport, shares_its_limit_and_counts_what_others_had_suppressed) {
+TEST(ChangeReport, SharesItsLimitAndCountsWhatOthersHadSuppressed) {
     RateLimit limit(1, 30s);
     ChangeReport report(1);
     EXPECT_EQ(limit.pass(Instant(0s)), 0U);

@@ -31,7 +31,7 @@ TEST(Distribution, ZeroIsTheLeastAndAHundredTheMost) {
     EXPECT_EQ(one_to(7).percentile(100), microseconds(7));
 }
 
-TEST(Distribution, OfNothingEveryPercentileIsZero) {
+TEST(Distribution, HasZeroForEveryPercentileOfNothing) {
     EXPECT_EQ(Distribution().percentile(99), Duration::zero());
 }
 

@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(RateLimit, lets_a_burst_pass_and_then_counts_those_it_suppressed) {
+TEST(RateLimit, LetsABurstPassAndThenCountsThoseItSuppressed) {
     RateLimit limit(2, 10s);
     EXPECT_EQ(limit.pass(Instant(0s)), 0U);
     EXPECT_EQ(limit.pass(Instant(1s)), 0U);

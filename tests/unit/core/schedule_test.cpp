@@ -22,20 +22,20 @@ Schedule written_on_arrival(Duration period, const ArrivalClock& arrivals) {
     return schedule;
 }
 
-TEST(FollowSchedule, waits_a_period_for_a_first_frame) {
+TEST(FollowSchedule, WaitsAPeriodForAFirstFrame) {
     Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
     schedule.start(at(100ms));
     EXPECT_EQ(schedule.due(), at(107ms));
 }
 
-TEST(FollowSchedule, a_first_frame_is_due_at_once) {
+TEST(FollowSchedule, AFirstFrameIsDueAtOnce) {
     Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
     schedule.start(at(0ms));
     schedule.frame_arrived(arrivals_each(4ms, at(2ms), 1));
     EXPECT_EQ(schedule.due(), at(2ms));
 }
 
-TEST(FollowSchedule, a_frame_that_comes_too_soon_waits_until_the_period_has_passed) {
+TEST(FollowSchedule, AFrameThatComesTooSoonWaitsUntilThePeriodHasPassed) {
     Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
     schedule.start(at(0ms));
     schedule.frame_arrived(arrivals_each(5ms, at(2ms), 1));
@@ -44,7 +44,7 @@ TEST(FollowSchedule, a_frame_that_comes_too_soon_waits_until_the_period_has_pass
     EXPECT_EQ(schedule.due(), at(9ms));
 }
 
-TEST(FollowSchedule, of_two_frames_that_come_too_soon_the_later_is_sent_if_it_need_not_wait) {
+TEST(FollowSchedule, SendsTheLaterOfTwoFramesThatComeTooSoonIfItNeedNotWait) {
     // 4 ms in, 7 ms out: the frame at 4 ms would be written at 7 ms and delay the one at 8 ms until
     // 14 ms.
     Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
@@ -79,13 +79,13 @@ std::vector<Duration> ages_after_a_stall_of(Duration stall, Duration least_spaci
     return ages;
 }
 
-TEST(FollowSchedule, a_long_stall_holds_up_no_frame_but_its_own) {
+TEST(FollowSchedule, ALongStallHoldsUpNoFrameButItsOwn) {
     for (const Duration age : ages_after_a_stall_of(4ms)) {
         EXPECT_EQ(age, 0ms);
     }
 }
 
-TEST(FollowSchedule, a_short_stall_holds_up_a_few_frames_and_not_all_that_follow) {
+TEST(FollowSchedule, AShortStallHoldsUpAFewFramesAndNotAllThatFollow) {
     const std::vector<Duration> ages = ages_after_a_stall_of(2ms);
     ASSERT_EQ(ages.size(), 48U) << "one frame was left out";
     for (std::size_t i = 0; i < ages.size(); ++i) {
@@ -93,13 +93,13 @@ TEST(FollowSchedule, a_short_stall_holds_up_a_few_frames_and_not_all_that_follow
     }
 }
 
-TEST(FollowSchedule, a_stall_holds_up_no_frame_that_may_follow_the_late_one_sooner) {
+TEST(FollowSchedule, AStallHoldsUpNoFrameThatMayFollowTheLateOneSooner) {
     for (const Duration age : ages_after_a_stall_of(2ms, 5ms)) {
         ASSERT_EQ(age, 0ms);
     }
 }
 
-TEST(FollowSchedule, behind_a_late_frame_each_frame_keeps_the_least_spacing) {
+TEST(FollowSchedule, BehindALateFrameEachFrameKeepsTheLeastSpacing) {
     // 3 ms late: the next one 6 ms behind it is 2 ms late, and the one behind that 1 ms.
     const std::vector<Duration> ages = ages_after_a_stall_of(3ms, 6ms);
     EXPECT_EQ(ages[0], 2ms);
@@ -107,7 +107,7 @@ TEST(FollowSchedule, behind_a_late_frame_each_frame_keeps_the_least_spacing) {
     EXPECT_EQ(ages[2], 0ms);
 }
 
-TEST(FollowSchedule, frames_that_come_more_often_than_the_period_keep_the_period) {
+TEST(FollowSchedule, FramesThatComeMoreOftenThanThePeriodKeepThePeriod) {
     Schedule schedule({.kind = ScheduleKind::follow, .period = 10ms, .least_spacing = 2ms});
     schedule.start(at(0ms));
     ArrivalClock arrivals;
@@ -126,7 +126,7 @@ TEST(FollowSchedule, frames_that_come_more_often_than_the_period_keep_the_period
     }
 }
 
-TEST(FollowSchedule, a_frame_after_the_period_is_due_on_arrival) {
+TEST(FollowSchedule, AFrameAfterThePeriodIsDueOnArrival) {
     Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
     schedule.start(at(0ms));
     schedule.done(at(7ms), true);
@@ -134,7 +134,7 @@ TEST(FollowSchedule, a_frame_after_the_period_is_due_on_arrival) {
     EXPECT_EQ(schedule.due(), at(15700us));
 }
 
-TEST(FollowSchedule, repeats_once_a_period_without_input) {
+TEST(FollowSchedule, RepeatsOnceAPeriodWithoutInput) {
     Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
     schedule.start(at(0ms));
     for (int period = 1; period <= 100; ++period) {
@@ -143,7 +143,7 @@ TEST(FollowSchedule, repeats_once_a_period_without_input) {
     }
 }
 
-TEST(FollowSchedule, a_repeat_waits_for_a_frame_that_is_about_due_and_one_tick_of_the_kernel) {
+TEST(FollowSchedule, ARepeatWaitsForAFrameThatIsAboutDueAndOneTickOfTheKernel) {
     // FS-iA6B: 7.7 ms. A repeat at 7 ms would delay the fresh frame until 14 ms, and one less than
     // 4 ms behind it would cost a programming of the clock with each frame.
     const ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 20);
@@ -151,7 +151,7 @@ TEST(FollowSchedule, a_repeat_waits_for_a_frame_that_is_about_due_and_one_tick_o
     EXPECT_EQ(schedule.due(), arrivals.latest() + 7750us + 4500us);
 }
 
-TEST(FollowSchedule, a_repeat_waits_no_longer_than_what_was_written_is_true) {
+TEST(FollowSchedule, ARepeatWaitsNoLongerThanWhatWasWrittenIsTrue) {
     const ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 20);
     const Instant latest = arrivals.latest();
     Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
@@ -163,7 +163,7 @@ TEST(FollowSchedule, a_repeat_waits_no_longer_than_what_was_written_is_true) {
     EXPECT_EQ(schedule.due(), latest + 16ms) << "less than a period is judged ahead";
 }
 
-TEST(FollowSchedule, a_frame_waits_for_the_next_no_longer_than_what_was_written_is_true) {
+TEST(FollowSchedule, AFrameWaitsForTheNextNoLongerThanWhatWasWrittenIsTrue) {
     // 4 ms in, 7 ms out: the second frame waits for the third, which is due at 44 ms.
     Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
     schedule.start(at(0ms));
@@ -173,7 +173,7 @@ TEST(FollowSchedule, a_frame_waits_for_the_next_no_longer_than_what_was_written_
     EXPECT_EQ(schedule.due(), at(45ms));
 }
 
-TEST(FollowSchedule, a_fresh_frame_behind_a_repeat_keeps_the_least_spacing_and_not_the_period) {
+TEST(FollowSchedule, AFreshFrameBehindARepeatKeepsTheLeastSpacingAndNotThePeriod) {
     // 7 ms in, 5 ms out; one frame is missing.
     ArrivalClock arrivals = arrivals_each(7ms, at(0ms), 20);
     const Instant latest = arrivals.latest();
@@ -188,7 +188,7 @@ TEST(FollowSchedule, a_fresh_frame_behind_a_repeat_keeps_the_least_spacing_and_n
     EXPECT_EQ(schedule.due(), latest + 15550us);
 }
 
-TEST(FollowSchedule, repeats_are_a_period_apart_once_the_input_has_stopped) {
+TEST(FollowSchedule, RepeatsAreAPeriodApartOnceTheInputHasStopped) {
     const ArrivalClock arrivals = arrivals_each(7ms, at(0ms), 20);
     Schedule schedule = written_on_arrival(5ms, arrivals);
     while (schedule.due() < arrivals.latest() + 40ms) {
@@ -201,7 +201,7 @@ TEST(FollowSchedule, repeats_are_a_period_apart_once_the_input_has_stopped) {
     }
 }
 
-TEST(FollowSchedule, a_repeat_waits_longer_for_frames_that_come_unevenly) {
+TEST(FollowSchedule, ARepeatWaitsLongerForFramesThatComeUnevenly) {
     ArrivalClock arrivals;
     for (int i = 0; i <= 1000; ++i) {
         arrivals.arrived(at(i * 7700us + (i % 2 == 0 ? 0us : 1500us)));
@@ -211,13 +211,13 @@ TEST(FollowSchedule, a_repeat_waits_longer_for_frames_that_come_unevenly) {
     EXPECT_LT(schedule.due(), arrivals.latest() + 14ms + 4500us);
 }
 
-TEST(FollowSchedule, a_slow_input_does_not_hold_repeats_back) {
+TEST(FollowSchedule, ASlowInputDoesNotHoldRepeatsBack) {
     const ArrivalClock arrivals = arrivals_each(50ms, at(0ms), 20);
     Schedule schedule = written_on_arrival(7ms, arrivals);
     EXPECT_EQ(schedule.due(), arrivals.latest() + 7ms);
 }
 
-TEST(FollowSchedule, of_frames_each_5_ms_two_of_three_are_sent_for_ever_where_the_period_is_7_ms) {
+TEST(FollowSchedule, SendsTwoOfThreeFramesEach5MsForEverWhereThePeriodIs7Ms) {
     Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
     ArrivalClock arrivals;
     schedule.start(at(0ms));
@@ -237,7 +237,7 @@ TEST(FollowSchedule, of_frames_each_5_ms_two_of_three_are_sent_for_ever_where_th
     EXPECT_NEAR(writes, 2000, 2);
 }
 
-TEST(FollowSchedule, a_silent_output_need_not_keep_a_distance_from_what_it_did_not_write) {
+TEST(FollowSchedule, ASilentOutputNeedNotKeepADistanceFromWhatItDidNotWrite) {
     Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
     schedule.start(at(0ms));
     schedule.done(at(7ms), false);
@@ -245,7 +245,7 @@ TEST(FollowSchedule, a_silent_output_need_not_keep_a_distance_from_what_it_did_n
     EXPECT_EQ(schedule.due(), at(8ms));
 }
 
-TEST(GridSchedule, stays_on_its_grid_however_late_each_turn_is) {
+TEST(GridSchedule, StaysOnItsGridHoweverLateEachTurnIs) {
     Schedule schedule({.kind = ScheduleKind::grid, .period = 14ms});
     schedule.start(at(3ms));
     for (int point = 0; point < 1000; ++point) {
@@ -255,7 +255,7 @@ TEST(GridSchedule, stays_on_its_grid_however_late_each_turn_is) {
     EXPECT_EQ(schedule.overruns(), 0U);
 }
 
-TEST(GridSchedule, skips_whole_periods_that_were_missed_and_counts_them) {
+TEST(GridSchedule, SkipsWholePeriodsThatWereMissedAndCountsThem) {
     Schedule schedule({.kind = ScheduleKind::grid, .period = 14ms});
     schedule.start(at(0ms));
     schedule.done(at(45ms), true);
@@ -263,7 +263,7 @@ TEST(GridSchedule, skips_whole_periods_that_were_missed_and_counts_them) {
     EXPECT_EQ(schedule.overruns(), 3U);
 }
 
-TEST(GridSchedule, a_turn_that_comes_when_the_next_is_due_is_the_only_one) {
+TEST(GridSchedule, ATurnThatComesWhenTheNextIsDueIsTheOnlyOne) {
     Schedule schedule({.kind = ScheduleKind::grid, .period = 14ms});
     schedule.start(at(0ms));
     schedule.done(at(14ms), true);
@@ -271,7 +271,7 @@ TEST(GridSchedule, a_turn_that_comes_when_the_next_is_due_is_the_only_one) {
     EXPECT_EQ(schedule.overruns(), 1U);
 }
 
-TEST(GridSchedule, a_free_grid_is_not_moved_by_arrivals) {
+TEST(GridSchedule, AFreeGridIsNotMovedByArrivals) {
     Schedule schedule({.kind = ScheduleKind::grid, .period = 14ms});
     schedule.start(at(0ms));
     schedule.frame_arrived(arrivals_each(7700us, at(1ms), 20));
@@ -281,7 +281,7 @@ TEST(GridSchedule, a_free_grid_is_not_moved_by_arrivals) {
 
 class LockedGrid : public testing::TestWithParam<Duration> {};
 
-TEST_P(LockedGrid, comes_to_stand_just_behind_the_arrivals_with_an_even_cadence) {
+TEST_P(LockedGrid, ComesToStandJustBehindTheArrivalsWithAnEvenCadence) {
     const Duration interval = GetParam();
     Schedule schedule({.kind = ScheduleKind::grid, .period = 14ms, .phase = Phase::locked});
     ArrivalClock arrivals;
@@ -346,19 +346,19 @@ struct LockedWriter {
     }
 };
 
-TEST(LockedGridSchedule, stands_a_twentieth_of_a_millisecond_behind_frames_that_come_on_the_beat) {
+TEST(LockedGridSchedule, StandsATwentiethOfAMillisecondBehindFramesThatComeOnTheBeat) {
     LockedWriter writer;
     for (int i = 0; i < 100; ++i) {
         EXPECT_NEAR(static_cast<double>(writer.write(0us).count()), 50e3, 5e3);
     }
 }
 
-TEST(LockedGridSchedule, waits_a_moment_for_a_frame_that_is_late) {
+TEST(LockedGridSchedule, WaitsAMomentForAFrameThatIsLate) {
     LockedWriter writer;
     EXPECT_EQ(writer.write(400us), 0us);
 }
 
-TEST(LockedGridSchedule, is_written_without_a_frame_that_is_later_than_that) {
+TEST(LockedGridSchedule, IsWrittenWithoutAFrameThatIsLaterThanThat) {
     LockedWriter writer;
     const Instant before = writer.latest_write;
     const Instant missing = writer.arrivals.latest() + 7700us;
@@ -369,14 +369,14 @@ TEST(LockedGridSchedule, is_written_without_a_frame_that_is_later_than_that) {
     EXPECT_NEAR(static_cast<double>((writer.latest_write - before).count()), 7700e3 + 481e3, 10e3);
 }
 
-TEST(LockedGridSchedule, one_stall_of_the_machine_does_not_push_the_grid_back) {
+TEST(LockedGridSchedule, OneStallOfTheMachineDoesNotPushTheGridBack) {
     LockedWriter writer;
     writer.write(3ms);
     writer.write(0us);
     EXPECT_LT(writer.write(0us), 250us);
 }
 
-TEST(LockedGridSchedule, never_writes_two_frames_closer_than_the_period) {
+TEST(LockedGridSchedule, NeverWritesTwoFramesCloserThanThePeriod) {
     LockedWriter writer(450us);
     Instant before = writer.latest_write;
     for (int i = 0; i < 1000; ++i) {
@@ -387,7 +387,7 @@ TEST(LockedGridSchedule, never_writes_two_frames_closer_than_the_period) {
 }
 
 /// The schedule waits for the last frames in vain. What it writes after that is not early.
-TEST(LockedGridSchedule, never_writes_two_frames_closer_than_the_period_when_the_input_stops) {
+TEST(LockedGridSchedule, NeverWritesTwoFramesCloserThanThePeriodWhenTheInputStops) {
     Schedule schedule({.kind = ScheduleKind::grid, .period = 7ms, .phase = Phase::locked});
     schedule.start(at(0ms));
     schedule.frame_arrived(arrivals_each(7ms, at(0ms), 20));
@@ -401,7 +401,7 @@ TEST(LockedGridSchedule, never_writes_two_frames_closer_than_the_period_when_the
 }
 
 /// A frame, seconds of noise, and a frame have no rhythm to follow.
-TEST(LockedGridSchedule, keeps_its_period_where_a_long_silence_lies_between_two_frames) {
+TEST(LockedGridSchedule, KeepsItsPeriodWhereALongSilenceLiesBetweenTwoFrames) {
     Schedule schedule({.kind = ScheduleKind::grid, .period = 7ms, .phase = Phase::locked});
     schedule.start(at(0ms));
     ArrivalClock arrivals;
@@ -417,7 +417,7 @@ TEST(LockedGridSchedule, keeps_its_period_where_a_long_silence_lies_between_two_
     }
 }
 
-TEST(LockedGridSchedule, goes_on_at_its_period_when_the_input_has_stopped) {
+TEST(LockedGridSchedule, GoesOnAtItsPeriodWhenTheInputHasStopped) {
     Schedule schedule({.kind = ScheduleKind::grid, .period = 14ms, .phase = Phase::locked});
     const ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 20);
     schedule.start(at(0ms));
@@ -431,7 +431,7 @@ TEST(LockedGridSchedule, goes_on_at_its_period_when_the_input_has_stopped) {
     }
 }
 
-TEST(LockedGridSchedule, makes_no_step_shorter_than_its_period_behind_an_input_of_the_same) {
+TEST(LockedGridSchedule, MakesNoStepShorterThanItsPeriodBehindAnInputOfTheSame) {
     Schedule schedule({.kind = ScheduleKind::grid, .period = 14ms, .phase = Phase::locked});
     ArrivalClock arrivals;
     schedule.start(at(0ms));
@@ -444,7 +444,7 @@ TEST(LockedGridSchedule, makes_no_step_shorter_than_its_period_behind_an_input_o
 }
 
 /// docs/channels.md, "When an output sends".
-TEST(LockedGridSchedule, of_20_ms_serves_every_second_frame_of_an_input_of_14_ms) {
+TEST(LockedGridSchedule, At20MsServesEverySecondFrameOfAnInputOf14Ms) {
     Schedule schedule({.kind = ScheduleKind::grid, .period = 20ms, .phase = Phase::locked});
     ArrivalClock arrivals;
     schedule.start(at(0ms));
@@ -462,7 +462,7 @@ TEST(LockedGridSchedule, of_20_ms_serves_every_second_frame_of_an_input_of_14_ms
     }
 }
 
-TEST(ScheduleAfterAReload, with_a_shorter_period_does_not_wait_for_the_old_deadline) {
+TEST(ScheduleAfterAReload, WithAShorterPeriodDoesNotWaitForTheOldDeadline) {
     Schedule before({.kind = ScheduleKind::follow, .period = 1s});
     before.start(at(0ms));
     before.frame_arrived(arrivals_each(7ms, at(2ms), 1));

@@ -100,15 +100,16 @@ inline void IbusDecoder::begin_frame(std::size_t length, Instant received, Decod
     usual_length_ = static_cast<std::uint16_t>(length);
 }
 
-inline void IbusDecoder::read_long_frame(std::span<const std::uint8_t, kLongFrame> wire,
-                                         Instant received, DecodedFrame& frame) {
+[[gnu::always_inline]] inline void IbusDecoder::read_long_frame(
+    std::span<const std::uint8_t, kLongFrame> wire, Instant received, DecodedFrame& frame) {
     begin_frame(kLongestFrame, received, frame);
     put_all_slots(frame.channels, wire.data() + kSlotsAt);
     put_nibble_channels(frame.channels, wire.data() + kSlotsAt);
 }
 
-void IbusDecoder::read_frame(std::span<const std::uint8_t> wire, std::size_t slots_at,
-                             Instant received, DecodedFrame& frame) {
+[[gnu::noinline]] void IbusDecoder::read_frame(std::span<const std::uint8_t> wire,
+                                               std::size_t slots_at, Instant received,
+                                               DecodedFrame& frame) {
     if (slots_ == IbusSlots::nibbles && wire.size() == kLongestFrame) {
         read_long_frame(wire.first<kLongestFrame>(), received, frame);
         return;
@@ -119,7 +120,7 @@ void IbusDecoder::read_frame(std::span<const std::uint8_t> wire, std::size_t slo
 }
 
 /// Whether a frame of this length, with a correct checksum, is accepted.
-bool IbusDecoder::length_counts(std::size_t length) {
+[[gnu::noinline]] bool IbusDecoder::length_counts(std::size_t length) {
     constexpr std::uint8_t kInARow = 3;
     const auto now = static_cast<std::uint8_t>(length);
     const auto usual = static_cast<std::uint8_t>(usual_length_);
@@ -227,8 +228,9 @@ IbusDecoder::Taken IbusDecoder::decode(std::span<const std::uint8_t> bytes, Inst
 
 /// Handles the bytes of a long frame that decide something: the first two and the last. This
 /// function and those below are not inline, so that the usual case saves no registers.
-IbusDecoder::Taken IbusDecoder::decode_byte(std::span<const std::uint8_t> bytes, Instant received,
-                                            DecodedFrame& frame) {
+[[gnu::noinline]] IbusDecoder::Taken IbusDecoder::decode_byte(std::span<const std::uint8_t> bytes,
+                                                              Instant received,
+                                                              DecodedFrame& frame) {
     const std::uint8_t byte = bytes[0];
     const std::span<const std::uint8_t, kLongestFrame> wire(buffer_.kept(), kLongestFrame);
     if (buffer_.size() == 0 && byte == kLongestFrame) {
@@ -309,21 +311,23 @@ inline bool IbusDecoder::decode_long(std::span<const std::uint8_t>& bytes, Insta
 }
 
 /// The frame was complete with the only byte of this read, but is not accepted as it is.
-IbusDecoder::Taken IbusDecoder::search_last(bool holds, Instant received, DecodedFrame& frame) {
+[[gnu::noinline]] IbusDecoder::Taken IbusDecoder::search_last(bool holds, Instant received,
+                                                              DecodedFrame& frame) {
     std::span<const std::uint8_t> nothing_more;
     return {1, search_instead(holds, nothing_more, received, frame)};
 }
 
-IbusDecoder::Taken IbusDecoder::search_kept(std::span<const std::uint8_t> bytes, Instant received,
-                                            DecodedFrame& frame) {
+[[gnu::noinline]] IbusDecoder::Taken IbusDecoder::search_kept(std::span<const std::uint8_t> bytes,
+                                                              Instant received,
+                                                              DecodedFrame& frame) {
     auto rest = bytes;
     const bool found = search(rest, 0, received, frame);
     return {bytes.size() - rest.size(), found};
 }
 
 /// The long frame at the front has a wrong checksum, or its length is not accepted yet.
-bool IbusDecoder::search_instead(bool holds, std::span<const std::uint8_t>& bytes, Instant received,
-                                 DecodedFrame& frame) {
+[[gnu::noinline]] bool IbusDecoder::search_instead(bool holds, std::span<const std::uint8_t>& bytes,
+                                                   Instant received, DecodedFrame& frame) {
     rejected_[kChecksum].count += holds ? 0U : 1U;
     return search(bytes, holds ? 0 : 1, received, frame);
 }

@@ -65,7 +65,7 @@ TEST(Requirement, HoldsUpToItsTime) {
               "p50=41us does not hold: the latency's p50 was 42us");
 }
 
-TEST(Requirement, OfWhatIsAddedLeavesOutTheBareRelay) {
+TEST(Requirement, LeavesOutTheBareRelayInWhatIsAdded) {
     EXPECT_EQ(broken_by(some_report(), "added-p50=2us"), "");
     EXPECT_EQ(broken_by(some_report(), "added-p50=1us"),
               "added-p50=1us does not hold: the added latency's p50 was 2us");

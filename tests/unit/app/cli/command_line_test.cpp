@@ -209,7 +209,7 @@ TEST(CommandLine, ShowsTheOptionsThatAnotherOptionSelects) {
               "`boat steer --help` shows the other options and examples.\n");
 }
 
-TEST(HelpText, OfACommandNamesValuesDefaultsLimitsAndWhatGoesTogether) {
+TEST(HelpText, NamesValuesDefaultsLimitsAndWhatGoesTogether) {
     Given given;
     const Program program = boat(given);
     EXPECT_EQ(help_of(program, program.commands.front()),
@@ -242,7 +242,7 @@ TEST(HelpText, OfACommandNamesValuesDefaultsLimitsAndWhatGoesTogether) {
               "  2  wrong use, or a configuration with mistakes\n");
 }
 
-TEST(HelpText, OfAProgramListsItsCommands) {
+TEST(HelpText, ListsTheCommandsOfAProgram) {
     Given given;
     const std::string help = help_of(boat(given));
     EXPECT_TRUE(

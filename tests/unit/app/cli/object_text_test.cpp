@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-TEST(ObjectText, is_what_the_whole_tree_would_be) {
+TEST(ObjectText, IsWhatTheWholeTreeWouldBe) {
     const std::vector<Json> inputs{{{"name", "receiver"}, {"frames", 12}}, {{"name", "spare"}}};
     ObjectText text;
     text.add("version", "1.0");
@@ -23,26 +23,26 @@ TEST(ObjectText, is_what_the_whole_tree_would_be) {
     EXPECT_EQ(std::move(text).end(), tree.dump());
 }
 
-TEST(ObjectText, begins_with_a_list_as_well) {
+TEST(ObjectText, BeginsWithAListAsWell) {
     ObjectText text;
     text.add_list("ports", 1, [](std::size_t i) { return i; });
     text.add("late", true);
     EXPECT_EQ(std::move(text).end(), R"({"ports":[0],"late":true})");
 }
 
-TEST(ObjectText, writes_a_list_of_nothing) {
+TEST(ObjectText, WritesAListOfNothing) {
     ObjectText text;
     text.add_list("nodes", 0, [](std::size_t i) { return i; });
     EXPECT_EQ(std::move(text).end(), R"({"nodes":[]})");
 }
 
-TEST(ObjectText, replaces_bytes_that_no_text_has) {
+TEST(ObjectText, ReplacesBytesThatNoTextHas) {
     ObjectText text;
     text.add("device", "/dev/tty\xFF");
     EXPECT_EQ(std::move(text).end(), "{\"device\":\"/dev/tty\xEF\xBF\xBD\"}");
 }
 
-TEST(ObjectText, of_no_member_is_an_object_still) {
+TEST(ObjectText, IsAnObjectStillWithoutAMember) {
     EXPECT_EQ(ObjectText().end(), "{}");
 }
 

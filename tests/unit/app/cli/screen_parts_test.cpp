@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(ShortDuration, has_three_figures_at_most) {
+TEST(ShortDuration, HasThreeFiguresAtMost) {
     EXPECT_EQ(short_duration(34us), "34 us");
     EXPECT_EQ(short_duration(2400us), "2.4 ms");
     EXPECT_EQ(short_duration(98ms), "98 ms");

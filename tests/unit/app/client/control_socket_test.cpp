@@ -37,7 +37,7 @@ TEST(DefaultSocket, IsNoneWhereThereIsNoPlace) {
 }
 
 /// The folder of a service is for its user and group; who may only look has another folder.
-TEST(LookSocket, OfAServiceStandsInAFolderOfItsOwn) {
+TEST(LookSocket, StandsInAFolderOfItsOwnForAService) {
     EXPECT_EQ(look_socket("/run/tribus/car/control"), "/run/tribus-look/car.look");
 }
 

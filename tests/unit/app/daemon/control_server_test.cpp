@@ -264,7 +264,7 @@ TEST_F(Control, ServesSixteenAndTellsTheNextOneThatItIsTooMany) {
     }
 }
 
-TEST_F(Control, OfSixteenWhoAskNothingTheLongestQuietGivesWay) {
+TEST_F(Control, LongestQuietOfSixteenWhoAskNothingGivesWay) {
     std::deque<Guest> guests;
     for (int i = 0; i < 16; ++i) {
         guests.emplace_back(folder_ / "control");
@@ -283,7 +283,7 @@ TEST_F(Control, OfSixteenWhoAskNothingTheLongestQuietGivesWay) {
 }
 
 /// A reload gets in, no matter how many places another user has taken.
-TEST_F(Control, OfSixteenWhoWatchOneGivesWayToAnotherUser) {
+TEST_F(Control, OneOfSixteenWhoWatchGivesWayToAnotherUser) {
     if (::geteuid() != 0) {
         GTEST_SKIP() << "only root can be somebody else";
     }

@@ -41,33 +41,33 @@ class WatchdogTest : public testing::Test {
     Watchdog watchdog_{4s};
 };
 
-TEST_F(WatchdogTest, is_fed_at_the_first_look_and_each_half_of_its_time) {
+TEST_F(WatchdogTest, IsFedAtTheFirstLookAndEachHalfOfItsTime) {
     EXPECT_EQ(go_on(200ms), 1);
     EXPECT_EQ(go_on(1800ms), 0);
     EXPECT_EQ(go_on(200ms), 1);
     EXPECT_EQ(go_on(20s), 10);
 }
 
-TEST_F(WatchdogTest, is_not_fed_before_the_data_thread_has_told_anything) {
+TEST_F(WatchdogTest, IsNotFedBeforeTheDataThreadHasToldAnything) {
     EXPECT_EQ(go_on(10s, false), 0);
     EXPECT_EQ(watchdog_.punctuality(), Punctuality::data_thread_stands);
 }
 
-TEST_F(WatchdogTest, is_not_fed_once_the_data_thread_stands) {
+TEST_F(WatchdogTest, IsNotFedOnceTheDataThreadStands) {
     go_on(10s);
     go_on(1s, false);
     EXPECT_EQ(go_on(60s, false), 0);
     EXPECT_EQ(watchdog_.punctuality(), Punctuality::data_thread_stands);
 }
 
-TEST_F(WatchdogTest, a_data_thread_that_has_just_begun_does_not_stand) {
+TEST_F(WatchdogTest, ADataThreadThatHasJustBegunDoesNotStand) {
     EXPECT_FALSE(watchdog_.look(now_, Instant{}, outputs_));
     EXPECT_EQ(watchdog_.punctuality(), Punctuality::on_time);
     EXPECT_EQ(go_on(200ms), 1);
 }
 
 /// After SIGCONT this thread may run before the data thread.
-TEST_F(WatchdogTest, a_stop_of_the_whole_program_is_no_stop_of_the_data_thread) {
+TEST_F(WatchdogTest, AStopOfTheWholeProgramIsNoStopOfTheDataThread) {
     go_on(10s);
     now_ += 60s;
     EXPECT_FALSE(watchdog_.look(now_, published_, outputs_));
@@ -76,7 +76,7 @@ TEST_F(WatchdogTest, a_stop_of_the_whole_program_is_no_stop_of_the_data_thread) 
 }
 
 /// The data thread counts the turns that its outputs missed meanwhile.
-TEST_F(WatchdogTest, a_stop_of_the_whole_program_makes_no_output_late) {
+TEST_F(WatchdogTest, AStopOfTheWholeProgramMakesNoOutputLate) {
     go_on(10s);
     now_ += 1300ms;
     go_on(200ms, true, 130);
@@ -85,7 +85,7 @@ TEST_F(WatchdogTest, a_stop_of_the_whole_program_makes_no_output_late) {
     EXPECT_EQ(watchdog_.punctuality(), Punctuality::on_time);
 }
 
-TEST_F(WatchdogTest, many_stops_one_behind_the_other_make_no_output_late) {
+TEST_F(WatchdogTest, ManyStopsOneBehindTheOtherMakeNoOutputLate) {
     go_on(10s);
     for (int stop = 0; stop < 5; ++stop) {
         now_ += 1300ms;
@@ -94,26 +94,26 @@ TEST_F(WatchdogTest, many_stops_one_behind_the_other_make_no_output_late) {
     }
 }
 
-TEST_F(WatchdogTest, one_stands_that_gives_no_sign_after_a_stop_of_the_whole_program) {
+TEST_F(WatchdogTest, OneStandsThatGivesNoSignAfterAStopOfTheWholeProgram) {
     go_on(10s);
     now_ += 60s;
     EXPECT_EQ(go_on(1200ms, false), 0);
     EXPECT_EQ(watchdog_.punctuality(), Punctuality::data_thread_stands);
 }
 
-TEST_F(WatchdogTest, a_pause_shorter_than_a_second_does_not_matter) {
+TEST_F(WatchdogTest, APauseShorterThanASecondDoesNotMatter) {
     go_on(10s);
     go_on(800ms, false);
     EXPECT_EQ(watchdog_.punctuality(), Punctuality::on_time);
 }
 
-TEST_F(WatchdogTest, is_fed_again_at_once_when_a_thread_that_stood_goes_on) {
+TEST_F(WatchdogTest, IsFedAgainAtOnceWhenAThreadThatStoodGoesOn) {
     go_on(10s);
     go_on(3s, false);
     EXPECT_EQ(go_on(200ms), 1);
 }
 
-TEST_F(WatchdogTest, is_not_fed_once_another_part_has_stood_for_more_than_a_second) {
+TEST_F(WatchdogTest, IsNotFedOnceAnotherPartHasStoodForMoreThanASecond) {
     for (const auto part :
          {Standing::Part::port_unheard, Standing::Part::link_thread, Standing::Part::gpio_thread}) {
         go_on(10s);
@@ -128,19 +128,19 @@ TEST_F(WatchdogTest, is_not_fed_once_another_part_has_stood_for_more_than_a_seco
     }
 }
 
-TEST_F(WatchdogTest, is_fed_while_an_output_misses_fewer_than_half_of_its_turns) {
+TEST_F(WatchdogTest, IsFedWhileAnOutputMissesFewerThanHalfOfItsTurns) {
     go_on(200ms);
     EXPECT_EQ(go_on(20s, true, 9), 10);
 }
 
-TEST_F(WatchdogTest, is_not_fed_while_an_output_misses_more_than_half_of_its_turns) {
+TEST_F(WatchdogTest, IsNotFedWhileAnOutputMissesMoreThanHalfOfItsTurns) {
     go_on(200ms);
     EXPECT_EQ(go_on(20s, true, 11), 0);
     EXPECT_EQ(watchdog_.punctuality(), Punctuality::output_late);
     EXPECT_EQ(watchdog_.late_output(), 1U);
 }
 
-TEST_F(WatchdogTest, is_not_fed_while_the_turn_of_an_output_is_forgotten) {
+TEST_F(WatchdogTest, IsNotFedWhileTheTurnOfAnOutputIsForgotten) {
     go_on(2s);
     now_ += 5s;
     published_ = now_;
@@ -150,14 +150,14 @@ TEST_F(WatchdogTest, is_not_fed_while_the_turn_of_an_output_is_forgotten) {
     EXPECT_EQ(watchdog_.late_output(), 1U);
 }
 
-TEST_F(WatchdogTest, an_output_that_waits_long_for_its_next_turn_is_on_time) {
+TEST_F(WatchdogTest, AnOutputThatWaitsLongForItsNextTurnIsOnTime) {
     outputs_[1].period = 10s;
     go_on(200ms);
     outputs_[1].due = now_ + 10s;
     EXPECT_EQ(go_on(2s), 1);
 }
 
-TEST_F(WatchdogTest, counts_of_a_fresh_data_thread_are_not_compared_with_those_of_the_old_one) {
+TEST_F(WatchdogTest, CountsOfAFreshDataThreadAreNotComparedWithThoseOfTheOldOne) {
     go_on(10s, true, 9);
     watchdog_.restart();
     outputs_[1].overruns = 0;
@@ -167,7 +167,7 @@ TEST_F(WatchdogTest, counts_of_a_fresh_data_thread_are_not_compared_with_those_o
     EXPECT_EQ(go_on(20s), 10);
 }
 
-TEST_F(WatchdogTest, one_who_feeds_all_inputs_has_no_outputs_to_be_late) {
+TEST_F(WatchdogTest, OneWhoFeedsAllInputsHasNoOutputsToBeLate) {
     outputs_.clear();
     published_ = now_;
     EXPECT_TRUE(watchdog_.look(now_, published_, outputs_));

@@ -52,7 +52,7 @@ std::size_t columns(const std::string& line) {
     }));
 }
 
-TEST(DemoScreen, fits_every_terminal) {
+TEST(DemoScreen, FitsEveryTerminal) {
     for (std::size_t width = 1; width <= 200; ++width) {
         for (const std::size_t rows : {1U, 2U, 5U, 10U, 24U, 60U}) {
             for (const bool unicode : {false, true}) {
@@ -67,7 +67,7 @@ TEST(DemoScreen, fits_every_terminal) {
     }
 }
 
-TEST(DemoScreen, shows_every_channel_before_and_after_on_a_plain_terminal) {
+TEST(DemoScreen, ShowsEveryChannelBeforeAndAfterOnAPlainTerminal) {
     const auto lines = visible_lines(draw_demo(figures(), {.columns = 80, .rows = 24}));
     ASSERT_EQ(lines.size(), 23U);
     for (std::size_t channel = 1; channel <= kChannelCount; ++channel) {
@@ -77,20 +77,20 @@ TEST(DemoScreen, shows_every_channel_before_and_after_on_a_plain_terminal) {
     }
 }
 
-TEST(DemoScreen, a_low_terminal_counts_the_channels_that_it_hides) {
+TEST(DemoScreen, ALowTerminalCountsTheChannelsThatItHides) {
     const auto lines = visible_lines(draw_demo(figures(), {.columns = 80, .rows = 10}));
     ASSERT_EQ(lines.size(), 9U);
     EXPECT_EQ(lines[5].substr(0, 2), " 4");
     EXPECT_EQ(lines[6], "… 14 more channels");
 }
 
-TEST(DemoScreen, a_narrow_terminal_keeps_what_the_servos_get) {
+TEST(DemoScreen, ANarrowTerminalKeepsWhatTheServosGet) {
     const auto lines = visible_lines(draw_demo(figures(), {.columns = 30, .rows = 24}));
     EXPECT_NE(lines[3].find("1200"), std::string::npos);
     EXPECT_EQ(lines[3].find("1200"), lines[3].rfind("1200"));
 }
 
-TEST(DemoScreen, without_unicode_and_colour_it_is_plain_ascii) {
+TEST(DemoScreen, WithoutUnicodeAndColourItIsPlainAscii) {
     const std::string screen =
         draw_demo(figures(), {.columns = 80, .rows = 24, .unicode = false, .colour = false});
     EXPECT_TRUE(std::all_of(screen.begin(), screen.end(),

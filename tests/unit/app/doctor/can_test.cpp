@@ -33,11 +33,11 @@ Ids ids(const CanInterface& interface) {
     return all;
 }
 
-TEST(CanOfADoctor, that_is_well_needs_nothing) {
+TEST(CanOfADoctor, ThatIsWellNeedsNothing) {
     EXPECT_EQ(ids(controller()), Ids{});
 }
 
-TEST(CanOfADoctor, that_is_down_is_a_problem_with_the_command_that_ends_it) {
+TEST(CanOfADoctor, ThatIsDownIsAProblemWithTheCommandThatEndsIt) {
     CanInterface interface = controller();
     interface.up = interface.lower_up = false;
     interface.bit_rate.reset();
@@ -49,33 +49,33 @@ TEST(CanOfADoctor, that_is_down_is_a_problem_with_the_command_that_ends_it) {
               Ids{"sudo ip link set can0 up type can bitrate 1000000 restart-ms 100"});
 }
 
-TEST(CanOfADoctor, that_nobody_asked_for_may_be_down) {
+TEST(CanOfADoctor, ThatNobodyAskedForMayBeDown) {
     CanInterface interface = controller();
     interface.up = interface.lower_up = false;
     EXPECT_EQ(judge_can(interface, false)[0].severity, Severity::advice);
 }
 
-TEST(CanOfADoctor, in_bus_off_is_restarted) {
+TEST(CanOfADoctor, InBusOffIsRestarted) {
     CanInterface interface = controller();
     interface.lower_up = false;
     interface.state = CanControllerState::bus_off;
     EXPECT_EQ(ids(interface), Ids{"can.bus_off"});
 }
 
-TEST(CanOfADoctor, without_carrier_has_nobody_at_its_other_end) {
+TEST(CanOfADoctor, WithoutCarrierHasNobodyAtItsOtherEnd) {
     CanInterface interface = controller();
     interface.lower_up = false;
     EXPECT_EQ(ids(interface), Ids{"can.no_carrier"});
 }
 
-TEST(CanOfADoctor, that_counts_errors_is_told_what_they_mean) {
+TEST(CanOfADoctor, ThatCountsErrorsIsToldWhatTheyMean) {
     CanInterface interface = controller();
     interface.state = CanControllerState::passive;
     interface.transmit_errors = 128;
     EXPECT_EQ(ids(interface), Ids{"can.errors"});
 }
 
-TEST(CanOfADoctor, that_never_restarts_is_told_how) {
+TEST(CanOfADoctor, ThatNeverRestartsIsToldHow) {
     CanInterface interface = controller();
     interface.restart_ms = 0;
     const auto findings = judge_can(interface, true);
@@ -84,25 +84,25 @@ TEST(CanOfADoctor, that_never_restarts_is_told_how) {
                                          "sudo ip link set can0 up type can restart-ms 100"}));
 }
 
-TEST(CanOfADoctor, modes_that_keep_frames_from_the_bus_are_told) {
+TEST(CanOfADoctor, ModesThatKeepFramesFromTheBusAreTold) {
     CanInterface interface = controller();
     interface.listen_only = interface.loopback = interface.one_shot = true;
     EXPECT_EQ(ids(interface), (Ids{"can.listen_only", "can.loopback", "can.one_shot"}));
 }
 
-TEST(CanOfADoctor, long_queue_is_told) {
+TEST(CanOfADoctor, LongQueueIsTold) {
     CanInterface interface = controller();
     interface.queue_length = 1000;
     EXPECT_EQ(ids(interface), Ids{"can.long_queue"});
 }
 
-TEST(CanOfADoctor, without_fd_is_worth_a_note) {
+TEST(CanOfADoctor, WithoutFdIsWorthANote) {
     CanInterface interface = controller();
     interface.mtu = 16;
     EXPECT_EQ(ids(interface), Ids{"can.no_fd"});
 }
 
-TEST(CanOfADoctor, is_told_from_other_networks_by_its_type) {
+TEST(CanOfADoctor, IsToldFromOtherNetworksByItsType) {
     const test::KernelTree tree;
     tree.write("sys/class/net/eth0/type", "1\n");
     tree.write("sys/class/net/vcan0/type", "280\n");

@@ -145,7 +145,7 @@ TEST_F(OtherEnds, AreToldFromSerialDevicesByTheirPaths) {
     }
 }
 
-TEST_F(OtherEnds, OfVirtualJoysticksNeedTheModuleAndTheGroup) {
+TEST_F(OtherEnds, NeedTheModuleAndTheGroupForVirtualJoysticks) {
     const auto missing = judge_uinput(look_at_uinput(files()), true);
     ASSERT_EQ(ids(missing), (Ids{"uinput.missing"}));
     EXPECT_EQ(missing[0].commands.front(), "sudo modprobe uinput");
@@ -158,7 +158,7 @@ TEST_F(OtherEnds, OfVirtualJoysticksNeedTheModuleAndTheGroup) {
     EXPECT_EQ(group[0].commands, (Ids{"sudo usermod -aG uinput $USER"}));
 }
 
-TEST_F(OtherEnds, OfServosAreChipsWithWhatTheirOutputsDo) {
+TEST_F(OtherEnds, AreChipsWithWhatTheirOutputsDoForServos) {
     add_chip("pwmchip10", "pwm-bcm2835", 2);
     add_chip("pwmchip2", "pca9685-pwm", 16);
     take("pwmchip2", 0, "1500000", true);
@@ -173,7 +173,7 @@ TEST_F(OtherEnds, OfServosAreChipsWithWhatTheirOutputsDo) {
     EXPECT_EQ(judge_pwm(chips[1], false).size(), 0U);
 }
 
-TEST_F(OtherEnds, OfServosThatMayNotBeUsedNameTheGroupOrTheRule) {
+TEST_F(OtherEnds, NameTheGroupOrTheRuleForServosThatMayNotBeUsed) {
     PwmFacts facts{.chip = {.folder = {}, .name = "pwmchip0", .driver = "pwm", .outputs = 1}};
     facts.access = {.exists = true, .may_open = false, .group = "gpio"};
     const auto group = judge_pwm(facts, true);
@@ -187,7 +187,7 @@ TEST_F(OtherEnds, OfServosThatMayNotBeUsedNameTheGroupOrTheRule) {
               (Ids{"sudo udevadm trigger --action=change --subsystem-match=pwm"}));
 }
 
-TEST_F(OtherEnds, OfServosThatAreNotThereSayWhichAre) {
+TEST_F(OtherEnds, SayWhichServosAreThere) {
     add_chip("pwmchip2", "pca9685-pwm", 16);
     EXPECT_EQ(look_at_pwm_chip(files(), "pca9685-pwm").size(), 1U);
     EXPECT_EQ(look_at_pwm_chip(files(), "pwmchip0").size(), 0U);
@@ -301,7 +301,7 @@ TEST(GpioEnds, ThatNobodyAskedForAreNotesAtMost) {
     EXPECT_EQ(findings[0].where, "/dev/gpiochip1");
 }
 
-TEST_F(OtherEnds, OfPpmAreSpiPortsWithTheLinesOfAnOutput) {
+TEST_F(OtherEnds, AreSpiPortsWithTheLinesOfAnOutputForPpm) {
     tree_.write("dev/spidev0.1", "");
     tree_.write("dev/spidev0.0", "");
     tree_.write("dev/spi0", "");
@@ -323,7 +323,7 @@ TEST_F(OtherEnds, OfPpmAreSpiPortsWithTheLinesOfAnOutput) {
     EXPECT_EQ(json["spi"][0]["refusal"], "");
 }
 
-TEST_F(OtherEnds, OfPpmThatCannotBeUsedSayWhatToDo) {
+TEST_F(OtherEnds, SayWhatToDoForPpmThatCannotBeUsed) {
     SpiFacts facts = look_at_spi_port(files(), "/dev/spidev3.0");
     EXPECT_EQ(ids(judge_spi_port(facts, true)), (Ids{"spi.missing"}));
     facts.access = {.exists = true, .may_open = false, .group = "spi"};

@@ -57,7 +57,7 @@ std::string mistakes_with(const std::vector<std::string>& lines) {
     return loaded ? "" : loaded.error().front().text;
 }
 
-TEST(DoctorsLines, of_ibus_are_three) {
+TEST(DoctorsLines, AreThreeForIbus) {
     const LineStory story = heard(LineSound::frames, "ibus", kIbusLine);
     const auto lines = configuration_lines(story, "/dev/ttyAMA5");
     EXPECT_EQ(text_of(lines),
@@ -65,7 +65,7 @@ TEST(DoctorsLines, of_ibus_are_three) {
     EXPECT_EQ(mistakes_with(lines), "");
 }
 
-TEST(DoctorsLines, of_fast_sbus_have_its_rate_and_the_scale) {
+TEST(DoctorsLines, HaveTheRateAndTheScaleOfFastSbus) {
     LineStory story = heard(LineSound::frames, "sbus", kFastSbusLine);
     story.scale.name = "futaba";
     const auto lines = configuration_lines(story, "/dev/serial/by-id/usb-FTDI");
@@ -75,7 +75,7 @@ TEST(DoctorsLines, of_fast_sbus_have_its_rate_and_the_scale) {
     EXPECT_EQ(mistakes_with(lines), "");
 }
 
-TEST(DoctorsLines, of_a_slow_sender_have_a_longer_timeout) {
+TEST(DoctorsLines, HaveALongerTimeoutForASlowSender) {
     LineStory story = heard(LineSound::frames, "sbus", kSbusLine);
     story.period = milliseconds(81);
     const auto lines = configuration_lines(story, "/dev/ttyAMA5");
@@ -83,7 +83,7 @@ TEST(DoctorsLines, of_a_slow_sender_have_a_longer_timeout) {
     EXPECT_EQ(mistakes_with(lines), "");
 }
 
-TEST(DoctorsLines, of_every_scale_are_valid) {
+TEST(DoctorsLines, AreValidForEveryScale) {
     for (const std::string_view scale : {"betaflight", "frsky", "futaba", "px4", "ardupilot"}) {
         LineStory story = heard(LineSound::frames, "sbus", kSbusLine);
         story.scale.name = scale;
@@ -91,36 +91,36 @@ TEST(DoctorsLines, of_every_scale_are_valid) {
     }
 }
 
-TEST(DoctorsLines, of_a_sensor_bus_are_a_whole_configuration) {
+TEST(DoctorsLines, AreAWholeConfigurationForASensorBus) {
     const auto lines =
         configuration_lines(heard(LineSound::frames, "ibus-sensor", kIbusLine), "/dev/ttyAMA4");
     EXPECT_EQ(mistakes_with(lines), "");
 }
 
-TEST(DoctorsLines, of_an_inverted_line_are_those_behind_the_inverter) {
+TEST(DoctorsLines, AreThoseBehindTheInverterForAnInvertedLine) {
     const auto lines =
         configuration_lines(heard(LineSound::inverted, "sbus", kSbusLine), "/dev/ttyAMA5");
     EXPECT_EQ(mistakes_with(lines), "");
 }
 
-TEST(DoctorsLines, are_none_where_nothing_can_be_read) {
+TEST(DoctorsLines, AreNoneWhereNothingCanBeRead) {
     for (const LineSound sound : {LineSound::silence, LineSound::wrong_parity, LineSound::breaks,
                                   LineSound::ibus2, LineSound::sbus24, LineSound::unknown}) {
         EXPECT_TRUE(configuration_lines(heard(sound, "sbus", kSbusLine), "/dev/x").empty());
     }
 }
 
-TEST(DoctorsLines, quote_whatever_a_device_is_called) {
+TEST(DoctorsLines, QuoteWhateverADeviceIsCalled) {
     const auto lines = configuration_lines(heard(LineSound::frames, "ibus", kIbusLine),
                                            "/dev/serial/by-id/a\"b\\c");
     EXPECT_EQ(mistakes_with(lines), "");
 }
 
-TEST(DoctorsWords, good_line_has_no_finding) {
+TEST(DoctorsWords, GoodLineHasNoFinding) {
     EXPECT_EQ(ids(heard(LineSound::frames, "ibus", kIbusLine)), Ids{});
 }
 
-TEST(DoctorsWords, each_sound_has_its_finding) {
+TEST(DoctorsWords, EachSoundHasItsFinding) {
     EXPECT_EQ(ids(heard(LineSound::silence, "", kIbusLine)), Ids{"line.silence"});
     EXPECT_EQ(ids(heard(LineSound::inverted, "sbus", kSbusLine)), Ids{"line.inverted"});
     EXPECT_EQ(ids(heard(LineSound::wrong_parity, "sbus", kSbusLine)), Ids{"line.wrong_parity"});
@@ -130,7 +130,7 @@ TEST(DoctorsWords, each_sound_has_its_finding) {
     EXPECT_EQ(ids(heard(LineSound::unknown, "", kIbusLine)), Ids{"line.unknown"});
 }
 
-TEST(DoctorsWords, inverted_ibus_wants_its_inverter_out_and_sbus_one_in) {
+TEST(DoctorsWords, InvertedIbusWantsItsInverterOutAndSbusOneIn) {
     const auto fix = [](std::string_view protocol, const LineSettings& line) {
         return judge_story(heard(LineSound::inverted, protocol, line), "/dev/x")[0].fix;
     };
@@ -138,7 +138,7 @@ TEST(DoctorsWords, inverted_ibus_wants_its_inverter_out_and_sbus_one_in) {
     EXPECT_TRUE(fix("sbus", kSbusLine).starts_with("Put an inverter between"));
 }
 
-TEST(DoctorsWords, one_byte_in_a_hundred_outside_of_frames_is_a_disturbance) {
+TEST(DoctorsWords, OneByteInAHundredOutsideOfFramesIsADisturbance) {
     LineStory story = heard(LineSound::frames, "ibus", kIbusLine);
     story.lost_bytes = 128;
     EXPECT_EQ(ids(story), Ids{});
@@ -146,7 +146,7 @@ TEST(DoctorsWords, one_byte_in_a_hundred_outside_of_frames_is_a_disturbance) {
     EXPECT_EQ(ids(story), Ids{"line.disturbed"});
 }
 
-TEST(DoctorsWords, receiver_without_its_transmitter_is_told) {
+TEST(DoctorsWords, ReceiverWithoutItsTransmitterIsTold) {
     LineStory story = heard(LineSound::frames, "sbus", kSbusLine);
     story.scale.name = "futaba";
     story.failsafe = story.frame_lost = story.frames;
@@ -155,7 +155,7 @@ TEST(DoctorsWords, receiver_without_its_transmitter_is_told) {
     EXPECT_EQ(ids(story), Ids{"line.frame_lost"});
 }
 
-TEST(DoctorsWords, sensors_on_the_wire_are_told) {
+TEST(DoctorsWords, SensorsOnTheWireAreTold) {
     LineStory story = heard(LineSound::frames, "ibus-sensor", kIbusLine);
     story.requests = 400;
     story.replies = 390;
@@ -182,7 +182,7 @@ Report report_of(LineSound sound) {
     return report;
 }
 
-TEST(DoctorsReport, fits_a_narrow_terminal_but_for_what_is_copied) {
+TEST(DoctorsReport, FitsANarrowTerminalButForWhatIsCopied) {
     for (const LineSound sound : {LineSound::silence, LineSound::frames, LineSound::inverted,
                                   LineSound::wrong_parity, LineSound::breaks, LineSound::unknown}) {
         std::istringstream lines(report_text(report_of(sound), 80, false));
@@ -192,14 +192,14 @@ TEST(DoctorsReport, fits_a_narrow_terminal_but_for_what_is_copied) {
     }
 }
 
-TEST(DoctorsReport, has_colours_only_where_they_are_wanted) {
+TEST(DoctorsReport, HasColoursOnlyWhereTheyAreWanted) {
     EXPECT_EQ(report_text(report_of(LineSound::inverted), 80, false).find('\x1b'),
               std::string::npos);
     EXPECT_NE(report_text(report_of(LineSound::inverted), 80, true).find("\x1b[31mproblem"),
               std::string::npos);
 }
 
-TEST(DoctorsReport, says_the_port_then_what_is_to_be_mended) {
+TEST(DoctorsReport, SaysThePortThenWhatIsToBeMended) {
     const std::string text = report_text(report_of(LineSound::inverted), 80, false);
     EXPECT_TRUE(text.starts_with(
         "/dev/ttyUSB0: USB adapter, FTDI FT232R\n"
@@ -215,7 +215,7 @@ TEST(DoctorsReport, says_the_port_then_what_is_to_be_mended) {
         << text;
 }
 
-TEST(DoctorsReport, is_one_object_for_programs) {
+TEST(DoctorsReport, IsOneObjectForPrograms) {
     const auto json = nlohmann::json::parse(report_json(report_of(LineSound::inverted)));
     EXPECT_EQ(json["ports"][0]["heard"]["sound"], "inverted");
     EXPECT_EQ(json["ports"][0]["heard"]["protocol"], "sbus");

@@ -60,7 +60,7 @@ constexpr std::string_view kNoSbus = "i.Bus yes, SBUS no, fast SBUS no, sensor b
 constexpr std::string_view kSbusUnknown =
     "i.Bus yes, SBUS unknown, fast SBUS unknown, sensor bus yes";
 
-TEST_F(SerialPorts, are_those_with_hardware) {
+TEST_F(SerialPorts, AreThoseWithHardware) {
     tree.port("ttyAMA0", "soc/fe201000.serial", "uart-pl011");
     tree.port("ttyS0", "platform/serial8250", "serial8250");
     tree.write("sys/class/tty/ttyS0/type", "0\n");
@@ -69,7 +69,7 @@ TEST_F(SerialPorts, are_those_with_hardware) {
     EXPECT_EQ(names(), std::vector<std::string>{"ttyAMA0"});
 }
 
-TEST_F(SerialPorts, pl011_does_everything) {
+TEST_F(SerialPorts, Pl011DoesEverything) {
     tree.port("ttyAMA0", "soc/fe201000.serial", "uart-pl011");
     const PortOpinion opinion = asked_for("/dev/ttyAMA0");
     EXPECT_EQ(abilities(opinion), kAll);
@@ -77,12 +77,12 @@ TEST_F(SerialPorts, pl011_does_everything) {
     EXPECT_TRUE(opinion.findings.empty());
 }
 
-TEST_F(SerialPorts, pl011_reads_sbus_through_an_inverter_only) {
+TEST_F(SerialPorts, Pl011ReadsSbusThroughAnInverterOnly) {
     tree.port("ttyAMA0", "soc/fe201000.serial", "uart-pl011");
     EXPECT_EQ(asked_for("/dev/ttyAMA0").abilities[1].because, "through an inverter");
 }
 
-TEST_F(SerialPorts, driver_is_found_below_the_layers_of_linux_6_5) {
+TEST_F(SerialPorts, DriverIsFoundBelowTheLayersOfLinux65) {
     tree.port("ttyAMA5", "soc/fe201400.serial/fe201400.serial:0/fe201400.serial:0.0", "port");
     tree.link("sys/devices/soc/fe201400.serial/fe201400.serial:0/fe201400.serial:0.0/subsystem",
               "sys/bus/serial-base");
@@ -92,7 +92,7 @@ TEST_F(SerialPorts, driver_is_found_below_the_layers_of_linux_6_5) {
     EXPECT_EQ(facts_of("/dev/ttyAMA5").driver, "uart-pl011");
 }
 
-TEST_F(SerialPorts, mini_uart_has_no_parity) {
+TEST_F(SerialPorts, MiniUartHasNoParity) {
     tree.port("ttyS0", "soc/fe215040.serial", "bcm2835-aux-uart");
     tree.write("sys/devices/soc/fe215040.serial/of_node/compatible",
                std::string("brcm,bcm2835-aux-uart\0", 22));
@@ -104,13 +104,13 @@ TEST_F(SerialPorts, mini_uart_has_no_parity) {
               std::string::npos);
 }
 
-TEST_F(SerialPorts, mini_uart_is_told_by_the_device_tree_alone) {
+TEST_F(SerialPorts, MiniUartIsToldByTheDeviceTreeAlone) {
     tree.port("ttyS0", "soc/fe215040.serial", "of_serial");
     tree.write("sys/devices/soc/fe215040.serial/of_node/compatible", "brcm,bcm2835-aux-uart");
     EXPECT_EQ(abilities(asked_for("/dev/ttyS0")), kNoSbus);
 }
 
-TEST_F(SerialPorts, pc_16550_runs_at_115200_instead_of_100000) {
+TEST_F(SerialPorts, Pc16550RunsAt115200InsteadOf100000) {
     tree.port("ttyS0", "pnp0/00:04", "serial");
     tree.write("sys/class/tty/ttyS0/type", "4\n");
     tree.write("sys/class/tty/ttyS0/uartclk", "1843200\n");
@@ -119,40 +119,40 @@ TEST_F(SerialPorts, pc_16550_runs_at_115200_instead_of_100000) {
     EXPECT_EQ(opinion.abilities[1].because, "it would run at 115200 baud");
 }
 
-TEST_F(SerialPorts, beaglebone_clock_divides_down_to_100000) {
+TEST_F(SerialPorts, BeagleboneClockDividesDownTo100000) {
     tree.port("ttyS4", "ocp/481a8000.serial", "omap8250");
     tree.write("sys/class/tty/ttyS4/type", "4\n");
     tree.write("sys/class/tty/ttyS4/uartclk", "48000000\n");
     EXPECT_EQ(abilities(asked_for("/dev/ttyS4")), kAll);
 }
 
-TEST_F(SerialPorts, driver_that_may_set_its_clock_is_not_judged_by_it) {
+TEST_F(SerialPorts, DriverThatMaySetItsClockIsNotJudgedByIt) {
     tree.port("ttyS3", "soc/fe670000.serial", "dw-apb-uart");
     tree.write("sys/class/tty/ttyS3/type", "4\n");
     tree.write("sys/class/tty/ttyS3/uartclk", "1843200\n");
     EXPECT_EQ(abilities(asked_for("/dev/ttyS3")), kSbusUnknown);
 }
 
-TEST_F(SerialPorts, jetson_uart_says_what_was_asked_for_whatever_it_does) {
+TEST_F(SerialPorts, JetsonUartSaysWhatWasAskedForWhateverItDoes) {
     tree.port("ttyTHS1", "soc/3100000.serial", "serial-tegra");
     const PortOpinion opinion = asked_for("/dev/ttyTHS1");
     EXPECT_EQ(abilities(opinion), kSbusUnknown);
     EXPECT_NE(opinion.abilities[1].because.find("dmesg"), std::string::npos);
 }
 
-TEST_F(SerialPorts, ftdi_does_everything) {
+TEST_F(SerialPorts, FtdiDoesEverything) {
     tree.usb_port("ttyUSB0", "ftdi_sio", "FT232R USB UART", "0600");
     const PortOpinion opinion = asked_for("/dev/ttyUSB0");
     EXPECT_EQ(opinion.kind, "USB adapter, FTDI FT232R");
     EXPECT_EQ(abilities(opinion), kAll);
 }
 
-TEST_F(SerialPorts, usb_adapter_is_late_as_a_sensor) {
+TEST_F(SerialPorts, UsbAdapterIsLateAsASensor) {
     tree.usb_port("ttyUSB0", "ftdi_sio", "FT232R USB UART", "0600");
     EXPECT_NE(asked_for("/dev/ttyUSB0").abilities[3].because.find("late"), std::string::npos);
 }
 
-TEST_F(SerialPorts, ftdi_that_holds_bytes_back_is_told) {
+TEST_F(SerialPorts, FtdiThatHoldsBytesBackIsTold) {
     tree.usb_port("ttyUSB0", "ftdi_sio", "FT232R USB UART", "0600");
     tree.write("sys/devices/usb1/1-1/1-1:1.0/ttyUSB0/latency_timer", "16\n");
     const PortOpinion opinion = asked_for("/dev/ttyUSB0");
@@ -160,7 +160,7 @@ TEST_F(SerialPorts, ftdi_that_holds_bytes_back_is_told) {
     EXPECT_NE(found(opinion, "port.latency_timer")->what.find("16 ms"), std::string::npos);
 }
 
-TEST_F(SerialPorts, ftdi_that_keeps_its_long_timer_is_to_be_set_by_hand) {
+TEST_F(SerialPorts, FtdiThatKeepsItsLongTimerIsToBeSetByHand) {
     tree.usb_port("ttyUSB0", "ftdi_sio", "FT232R USB UART", "0600");
     tree.write("sys/devices/usb1/1-1/1-1:1.0/ttyUSB0/latency_timer", "16\n");
     SerialFacts facts = facts_of("/dev/ttyUSB0");
@@ -173,13 +173,13 @@ TEST_F(SerialPorts, ftdi_that_keeps_its_long_timer_is_to_be_set_by_hand) {
                   "echo 1 | sudo tee /sys/bus/usb-serial/devices/ttyUSB0/latency_timer"});
 }
 
-TEST_F(SerialPorts, ftdi_with_the_short_timer_is_well) {
+TEST_F(SerialPorts, FtdiWithTheShortTimerIsWell) {
     tree.usb_port("ttyUSB0", "ftdi_sio", "FT232R USB UART", "0600");
     tree.write("sys/devices/usb1/1-1/1-1:1.0/ttyUSB0/latency_timer", "1\n");
     EXPECT_TRUE(asked_for("/dev/ttyUSB0").findings.empty());
 }
 
-TEST_F(SerialPorts, old_cp2102_makes_115200_of_100000) {
+TEST_F(SerialPorts, OldCp2102Makes115200Of100000) {
     tree.usb_port("ttyUSB0", "cp210x", "CP2102 USB to UART Bridge Controller", "0100");
     const PortOpinion opinion = asked_for("/dev/ttyUSB0");
     EXPECT_EQ(abilities(opinion), kNoSbus);
@@ -187,70 +187,70 @@ TEST_F(SerialPorts, old_cp2102_makes_115200_of_100000) {
     EXPECT_EQ(ids(opinion), std::vector<std::string>{"port.quantised_rates"});
 }
 
-TEST_F(SerialPorts, cp2102n_sets_any_rate) {
+TEST_F(SerialPorts, Cp2102nSetsAnyRate) {
     tree.usb_port("ttyUSB0", "cp210x", "CP2102N USB to UART Bridge Controller", "0100");
     EXPECT_EQ(abilities(asked_for("/dev/ttyUSB0")), kAll);
 }
 
-TEST_F(SerialPorts, second_port_of_a_cp2105_takes_its_rates_from_a_table) {
+TEST_F(SerialPorts, SecondPortOfACp2105TakesItsRatesFromATable) {
     tree.usb_port("ttyUSB0", "cp210x", "CP2105 Dual USB to UART Bridge Controller", "0100");
     EXPECT_EQ(abilities(asked_for("/dev/ttyUSB0")), kAll);
     tree.write("sys/devices/usb1/1-1/1-1:1.0/bInterfaceNumber", "01\n");
     EXPECT_EQ(abilities(asked_for("/dev/ttyUSB0")), kNoSbus);
 }
 
-TEST_F(SerialPorts, cp210x_that_does_not_say_which_is_unknown) {
+TEST_F(SerialPorts, Cp210xThatDoesNotSayWhichIsUnknown) {
     tree.usb_port("ttyUSB0", "cp210x", "Flight Computer", "0100");
     EXPECT_EQ(abilities(asked_for("/dev/ttyUSB0")), kSbusUnknown);
 }
 
-TEST_F(SerialPorts, ch340_sets_any_rate_by_its_driver) {
+TEST_F(SerialPorts, Ch340SetsAnyRateByItsDriver) {
     tree.usb_port("ttyUSB0", "ch341-uart", "USB2.0-Serial", "0254");
     EXPECT_EQ(abilities(asked_for("/dev/ttyUSB0")), kAll);
     EXPECT_NE(asked_for("/dev/ttyUSB0").abilities[1].because.find("not tried"), std::string::npos);
 }
 
-TEST_F(SerialPorts, pl2303_is_unknown) {
+TEST_F(SerialPorts, Pl2303IsUnknown) {
     tree.usb_port("ttyUSB0", "pl2303", "USB-Serial Controller", "0300");
     EXPECT_EQ(abilities(asked_for("/dev/ttyUSB0")), kSbusUnknown);
 }
 
-TEST_F(SerialPorts, rates_of_a_modem_device_are_its_firmwares) {
+TEST_F(SerialPorts, RatesOfAModemDeviceAreItsFirmwares) {
     tree.usb_port("ttyACM0", "cdc_acm", "Pico", "0100");
     EXPECT_EQ(abilities(asked_for("/dev/ttyACM0")), kSbusUnknown);
 }
 
-TEST_F(SerialPorts, adapter_is_named_by_what_it_is) {
+TEST_F(SerialPorts, AdapterIsNamedByWhatItIs) {
     tree.usb_port("ttyUSB0", "ftdi_sio", "FT232R USB UART", "0600");
     tree.plain_link("dev/serial/by-id/usb-FTDI_FT232R-if00-port0", "../../ttyUSB0");
     EXPECT_EQ(facts_of("/dev/ttyUSB0").device, "/dev/serial/by-id/usb-FTDI_FT232R-if00-port0");
 }
 
-TEST_F(SerialPorts, adapter_is_known_by_its_link) {
+TEST_F(SerialPorts, AdapterIsKnownByItsLink) {
     tree.usb_port("ttyUSB0", "ftdi_sio", "FT232R USB UART", "0600");
     tree.plain_link("dev/serial/by-id/usb-FTDI_FT232R-if00-port0", "../../ttyUSB0");
     EXPECT_EQ(facts_of("/dev/serial/by-id/usb-FTDI_FT232R-if00-port0").node, "/dev/ttyUSB0");
 }
 
-TEST_F(SerialPorts, device_that_is_not_there_is_a_problem) {
+TEST_F(SerialPorts, DeviceThatIsNotThereIsAProblem) {
     const PortOpinion opinion = asked_for("/dev/ttyUSB7");
     ASSERT_EQ(ids(opinion), std::vector<std::string>{"port.missing"});
     EXPECT_EQ(opinion.findings[0].severity, Severity::problem);
     EXPECT_EQ(opinion.findings[0].where, "/dev/ttyUSB7");
 }
 
-TEST_F(SerialPorts, file_is_not_serial) {
+TEST_F(SerialPorts, FileIsNotSerial) {
     tree.write("dev/random", "");
     EXPECT_EQ(ids(asked_for("/dev/random")), std::vector<std::string>{"port.not_serial"});
 }
 
-TEST_F(SerialPorts, node_without_a_uart_is_a_problem) {
+TEST_F(SerialPorts, NodeWithoutAUartIsAProblem) {
     tree.port("ttyS5", "platform/serial8250", "serial8250");
     tree.write("sys/class/tty/ttyS5/type", "0\n");
     EXPECT_EQ(ids(asked_for("/dev/ttyS5")), std::vector<std::string>{"port.no_hardware"});
 }
 
-TEST_F(SerialPorts, port_of_another_group_needs_that_group) {
+TEST_F(SerialPorts, PortOfAnotherGroupNeedsThatGroup) {
     tree.port("ttyAMA0", "soc/fe201000.serial", "uart-pl011");
     SerialFacts facts = facts_of("/dev/ttyAMA0");
     facts.may_open = false;
@@ -261,7 +261,7 @@ TEST_F(SerialPorts, port_of_another_group_needs_that_group) {
               std::vector<std::string>{"sudo usermod -aG dialout $USER"});
 }
 
-TEST_F(SerialPorts, port_of_root_alone_needs_a_rule) {
+TEST_F(SerialPorts, PortOfRootAloneNeedsARule) {
     tree.port("ttyAMA0", "soc/fe201000.serial", "uart-pl011");
     SerialFacts facts = facts_of("/dev/ttyAMA0");
     facts.may_open = false;
@@ -270,7 +270,7 @@ TEST_F(SerialPorts, port_of_root_alone_needs_a_rule) {
               std::string::npos);
 }
 
-TEST_F(SerialPorts, kernel_console_is_found_in_the_command_line) {
+TEST_F(SerialPorts, KernelConsoleIsFoundInTheCommandLine) {
     tree.port("ttyAMA0", "soc/fe201000.serial", "uart-pl011");
     tree.port("ttyAMA01", "soc/fe201001.serial", "uart-pl011");
     tree.write("proc/cmdline", "quiet console=ttyAMA0,115200 root=/dev/mmcblk0p2\n");
@@ -278,13 +278,13 @@ TEST_F(SerialPorts, kernel_console_is_found_in_the_command_line) {
     EXPECT_TRUE(asked_for("/dev/ttyAMA01").findings.empty());
 }
 
-TEST_F(SerialPorts, kernel_console_is_found_where_the_kernel_chose_it) {
+TEST_F(SerialPorts, KernelConsoleIsFoundWhereTheKernelChoseIt) {
     tree.port("ttyS0", "pnp0/00:04", "serial");
     tree.write("sys/class/tty/ttyS0/console", "Y\n");
     EXPECT_EQ(ids(asked_for("/dev/ttyS0")), std::vector<std::string>{"port.kernel_console"});
 }
 
-TEST_F(SerialPorts, login_is_named_with_what_ends_it) {
+TEST_F(SerialPorts, LoginIsNamedWithWhatEndsIt) {
     tree.port("ttyAMA0", "soc/fe201000.serial", "uart-pl011");
     tree.process(812, "agetty");
     tree.write("proc/812/cmdline",
@@ -298,7 +298,7 @@ TEST_F(SerialPorts, login_is_named_with_what_ends_it) {
         std::vector<std::string>{"sudo systemctl disable --now 'serial-getty@ttyAMA0.service'"});
 }
 
-TEST_F(SerialPorts, program_that_has_it_open_is_named) {
+TEST_F(SerialPorts, ProgramThatHasItOpenIsNamed) {
     tree.port("ttyUSB0", "usb1/1-1/1-1:1.0/ttyUSB0", "ftdi_sio");
     tree.process(4242, "gpsd", "/dev/ttyUSB0");
     tree.process(4243, "bash", "/dev/ttyUSB1");
@@ -310,7 +310,7 @@ TEST_F(SerialPorts, program_that_has_it_open_is_named) {
               std::vector<std::string>{"sudo systemctl stop 'gpsd.service'"});
 }
 
-TEST_F(SerialPorts, uart_that_waits_for_more_bytes_is_told) {
+TEST_F(SerialPorts, UartThatWaitsForMoreBytesIsTold) {
     tree.port("ttyS0", "pnp0/00:04", "serial");
     tree.write("sys/class/tty/ttyS0/rx_trig_bytes", "8\n");
     const PortOpinion opinion = asked_for("/dev/ttyS0");
@@ -318,7 +318,7 @@ TEST_F(SerialPorts, uart_that_waits_for_more_bytes_is_told) {
     EXPECT_EQ(opinion.findings[0].severity, Severity::note);
 }
 
-TEST_F(SerialPorts, hindrances_of_a_port_that_nobody_asked_for_are_advice) {
+TEST_F(SerialPorts, HindrancesOfAPortThatNobodyAskedForAreAdvice) {
     tree.port("ttyAMA0", "soc/fe201000.serial", "uart-pl011");
     tree.write("proc/cmdline", "console=ttyAMA0\n");
     const PortOpinion opinion = judge_port(facts_of("/dev/ttyAMA0"), false);

@@ -38,38 +38,38 @@ std::string parse_error(std::string_view text, SettingScope way) {
     return option ? "it was not refused" : option.error();
 }
 
-TEST(InitPlace, may_name_a_protocol) {
+TEST(InitPlace, MayNameAProtocol) {
     const auto option = parse_place_option("/dev/ttyUSB0=ibus", SettingScope::input);
     ASSERT_TRUE(option) << option.error();
     EXPECT_EQ(option->place, "/dev/ttyUSB0");
     EXPECT_EQ(option->protocol, &kIbusProtocol);
 }
 
-TEST(InitPlace, need_not_name_one) {
+TEST(InitPlace, NeedNotNameOne) {
     const auto option = parse_place_option("/dev/ttyUSB0", SettingScope::output);
     ASSERT_TRUE(option) << option.error();
     EXPECT_EQ(option->protocol, nullptr);
 }
 
-TEST(InitPlace, may_contain_an_equals_sign_if_the_protocol_is_named) {
+TEST(InitPlace, MayContainAnEqualsSignIfTheProtocolIsNamed) {
     const auto option = parse_place_option("/dev/serial/by-id/a=b=sbus", SettingScope::input);
     ASSERT_TRUE(option) << option.error();
     EXPECT_EQ(option->place, "/dev/serial/by-id/a=b");
 }
 
-TEST(InitPlace, with_a_misspelt_protocol_gets_the_nearest_name) {
+TEST(InitPlace, WithAMisspeltProtocolGetsTheNearestName) {
     EXPECT_TRUE(has(parse_error("can0=dronecam", SettingScope::output),
                     "there is no protocol \"dronecam\"; did you mean \"dronecan\"?"));
 }
 
-TEST(InitPlace, must_not_be_missing) {
+TEST(InitPlace, MustNotBeMissing) {
     EXPECT_TRUE(has(parse_error("=ibus", SettingScope::input),
                     "there must be a serial device or a CAN interface"));
     EXPECT_TRUE(has(parse_error("", SettingScope::input),
                     "there must be a serial device or a CAN interface"));
 }
 
-TEST(InitPlace, accepts_every_protocol_without_required_keys_and_refuses_the_others_with_a_reason) {
+TEST(InitPlace, AcceptsEveryProtocolWithoutRequiredKeysAndRefusesTheOthersWithAReason) {
     for (const SettingScope way : {SettingScope::input, SettingScope::output}) {
         const auto offered = offered_protocols(way);
         for (const Protocol* protocol : protocols()) {
@@ -85,7 +85,7 @@ TEST(InitPlace, accepts_every_protocol_without_required_keys_and_refuses_the_oth
                     "sensors cannot be an input; allowed: ibus"));
 }
 
-TEST(InitPlace, with_the_protocol_of_a_gamepad_names_the_command_that_prints_its_lines) {
+TEST(InitPlace, WithTheProtocolOfAGamepadNamesTheCommandThatPrintsItsLines) {
     EXPECT_TRUE(has(parse_error("/dev/input/event5=gamepad", SettingScope::input),
                     "gamepad runs on an input device only, and `init` writes lines for serial "
                     "devices and CAN interfaces; `tribus learn DEVICE` prints the lines of a "
@@ -94,7 +94,7 @@ TEST(InitPlace, with_the_protocol_of_a_gamepad_names_the_command_that_prints_its
                     "tribus.toml(5) describes its keys; allowed here: "));
 }
 
-TEST(InitPlace, that_is_no_port_is_refused_as_what_it_is) {
+TEST(InitPlace, ThatIsNoPortIsRefusedAsWhatItIs) {
     const ExaminedPlace pad{.name = "/dev/input/event5",
                             .node = "/dev/input/event5",
                             .kind = {},
@@ -106,7 +106,7 @@ TEST(InitPlace, that_is_no_port_is_refused_as_what_it_is) {
     }
 }
 
-TEST(InitInput, has_the_protocol_that_was_heard) {
+TEST(InitInput, HasTheProtocolThatWasHeard) {
     const Decision decision = decide_input(with_story(free_port("0"), heard_ibus(18)), nullptr);
     ASSERT_TRUE(decision.attachment) << decision.attachment.error();
     EXPECT_EQ(decision.attachment->protocol, &kIbusProtocol);
@@ -118,7 +118,7 @@ TEST(InitInput, has_the_protocol_that_was_heard) {
 }
 
 /// The line.scale_unknown of doctor says what to do.
-TEST(InitInput, has_no_remark_about_a_scale_that_is_not_known) {
+TEST(InitInput, HasNoRemarkAboutAScaleThatIsNotKnown) {
     LineStory story = heard_ibus();
     story.scale.reason = "the scale cannot be determined from these values";
     const Decision decision = decide_input(with_story(free_port("0"), story), nullptr);
@@ -126,7 +126,7 @@ TEST(InitInput, has_no_remark_about_a_scale_that_is_not_known) {
     EXPECT_EQ(decision.attachment->remarks.size(), 1U);
 }
 
-TEST(InitInput, has_the_keys_whose_defaults_do_not_fit_the_line) {
+TEST(InitInput, HasTheKeysWhoseDefaultsDoNotFitTheLine) {
     LineStory story = heard_sbus();
     story.line = doctor::kFastSbusLine;
     story.scale = {"futaba", "it rests at 1024"};
@@ -141,7 +141,7 @@ TEST(InitInput, has_the_keys_whose_defaults_do_not_fit_the_line) {
     EXPECT_EQ(decision.attachment->remarks.back(), "Scale: it rests at 1024");
 }
 
-TEST(InitInput, that_only_lacks_an_inverter_or_parity_is_accepted_with_a_finding) {
+TEST(InitInput, ThatOnlyLacksAnInverterOrParityIsAcceptedWithAFinding) {
     for (const LineSound sound : {LineSound::inverted, LineSound::wrong_parity}) {
         LineStory story = heard_sbus();
         story.sound = sound;
@@ -153,7 +153,7 @@ TEST(InitInput, that_only_lacks_an_inverter_or_parity_is_accepted_with_a_finding
     }
 }
 
-TEST(InitInput, that_is_silent_is_accepted_only_if_its_protocol_is_named) {
+TEST(InitInput, ThatIsSilentIsAcceptedOnlyIfItsProtocolIsNamed) {
     const LineStory silence;
     const ExaminedPlace examined =
         with_problem(with_story(free_port("0"), silence), "line.silence", "silent");
@@ -164,14 +164,14 @@ TEST(InitInput, that_is_silent_is_accepted_only_if_its_protocol_is_named) {
     EXPECT_TRUE(named.attachment->remarks.empty());
 }
 
-TEST(InitInput, that_carries_noise_is_refused) {
+TEST(InitInput, ThatCarriesNoiseIsRefused) {
     LineStory story;
     story.sound = LineSound::unknown;
     EXPECT_EQ(refusal_of(decide_input(with_story(free_port("0"), story), nullptr)),
               "no known protocol was heard");
 }
 
-TEST(InitInput, that_is_in_use_is_accepted_only_if_its_protocol_is_named) {
+TEST(InitInput, ThatIsInUseIsAcceptedOnlyIfItsProtocolIsNamed) {
     const ExaminedPlace examined =
         with_problem(free_port("0"), "port.in_use", "it is in use by cat");
     const Decision decision = decide_input(examined, nullptr);
@@ -180,14 +180,14 @@ TEST(InitInput, that_is_in_use_is_accepted_only_if_its_protocol_is_named) {
     EXPECT_TRUE(decide_input(examined, &kSbusProtocol).attachment);
 }
 
-TEST(InitInput, on_the_sensor_bus_is_refused) {
+TEST(InitInput, OnTheSensorBusIsRefused) {
     LineStory story = heard_ibus();
     story.protocol = "ibus-sensor";
     EXPECT_TRUE(has(refusal_of(decide_input(with_story(free_port("0"), story), nullptr)),
                     "has no channels; connect the receiver's SERVO output"));
 }
 
-TEST(InitInput, that_carries_another_protocol_than_was_named_gets_a_finding) {
+TEST(InitInput, ThatCarriesAnotherProtocolThanWasNamedGetsAFinding) {
     const Decision decision =
         decide_input(with_story(free_port("0"), heard_ibus()), &kSbusProtocol);
     ASSERT_TRUE(decision.attachment) << decision.attachment.error();
@@ -197,7 +197,7 @@ TEST(InitInput, that_carries_another_protocol_than_was_named_gets_a_finding) {
     EXPECT_TRUE(tells(decision, "line.other_protocol"));
 }
 
-TEST(InitInput, on_an_interface_has_the_native_format_unless_a_protocol_is_named) {
+TEST(InitInput, OnAnInterfaceHasTheNativeFormatUnlessAProtocolIsNamed) {
     const Decision usual = decide_input(interface_named("can0"), nullptr);
     ASSERT_TRUE(usual.attachment) << usual.attachment.error();
     EXPECT_EQ(usual.attachment->protocol, &kCanProtocol);
@@ -206,7 +206,7 @@ TEST(InitInput, on_an_interface_has_the_native_format_unless_a_protocol_is_named
     EXPECT_EQ(named.attachment->protocol, &kDroneCanProtocol);
 }
 
-TEST(InitPort, that_does_not_exist_is_accepted_only_with_a_protocol_of_can) {
+TEST(InitPort, ThatDoesNotExistIsAcceptedOnlyWithAProtocolOfCan) {
     ExaminedPlace examined =
         with_problem(interface_named("can7"), "can.unknown", "no such interface");
     examined.known = false;
@@ -218,21 +218,21 @@ TEST(InitPort, that_does_not_exist_is_accepted_only_with_a_protocol_of_can) {
     EXPECT_TRUE(decide_output(examined, &kCanProtocol, "").attachment);
 }
 
-TEST(InitPort, must_have_the_kind_of_link_of_its_protocol) {
+TEST(InitPort, MustHaveTheKindOfLinkOfItsProtocol) {
     EXPECT_TRUE(has(refusal_of(decide_input(free_port("0"), &kCanProtocol)),
                     "can runs on a CAN interface"));
     EXPECT_TRUE(has(refusal_of(decide_output(interface_named("can0"), &kSbusProtocol, "")),
                     "sbus runs on a serial device"));
 }
 
-TEST(InitPort, that_is_not_a_serial_device_is_refused_with_any_protocol) {
+TEST(InitPort, ThatIsNotASerialDeviceIsRefusedWithAnyProtocol) {
     const ExaminedPlace examined =
         with_problem(free_port("0"), "port.not_serial", "this is not a serial device");
     EXPECT_EQ(refusal_of(decide_input(examined, &kIbusProtocol)), "this is not a serial device");
     EXPECT_EQ(refusal_of(decide_output(examined, nullptr, "")), "this is not a serial device");
 }
 
-TEST(InitPort, gets_a_note_only_if_it_explains_a_refusal) {
+TEST(InitPort, GetsANoteOnlyIfItExplainsARefusal) {
     ExaminedPlace examined = mini_uart();
     examined.findings.push_back({doctor::Severity::note, "port.mini_uart", "", "mini", "", ""});
     examined.findings.push_back(
@@ -243,7 +243,7 @@ TEST(InitPort, gets_a_note_only_if_it_explains_a_refusal) {
     EXPECT_FALSE(tells(refused, "port.receive_trigger"));
 }
 
-TEST(InitOutput, has_sbus_or_the_native_format_unless_a_protocol_is_named) {
+TEST(InitOutput, HasSbusOrTheNativeFormatUnlessAProtocolIsNamed) {
     const Decision serial = decide_output(free_port("1"), nullptr, "");
     ASSERT_TRUE(serial.attachment) << serial.attachment.error();
     EXPECT_EQ(serial.attachment->protocol, &kSbusProtocol);
@@ -252,14 +252,14 @@ TEST(InitOutput, has_sbus_or_the_native_format_unless_a_protocol_is_named) {
     EXPECT_EQ(can.attachment->protocol, &kCanProtocol);
 }
 
-TEST(InitOutput, whose_port_can_never_run_it_is_refused) {
+TEST(InitOutput, WhosePortCanNeverRunItIsRefused) {
     EXPECT_EQ(refusal_of(decide_output(mini_uart(), nullptr, "")), "it has no parity bit");
     EXPECT_TRUE(decide_output(mini_uart(), &kIbusProtocol, "").attachment);
     EXPECT_EQ(refusal_of(decide_output(free_port("1"), nullptr, "asked for 100000 baud")),
               "asked for 100000 baud");
 }
 
-TEST(InitOutput, whose_port_is_in_use_is_accepted_with_a_finding) {
+TEST(InitOutput, WhosePortIsInUseIsAcceptedWithAFinding) {
     const ExaminedPlace examined =
         with_problem(free_port("1"), "port.login", "a login waits on it");
     const Decision decision = decide_output(examined, nullptr, "");
@@ -267,7 +267,7 @@ TEST(InitOutput, whose_port_is_in_use_is_accepted_with_a_finding) {
     EXPECT_TRUE(tells(decision, "port.login"));
 }
 
-TEST(InitOutput, on_the_port_of_an_input_must_have_the_same_rate) {
+TEST(InitOutput, OnThePortOfAnInputMustHaveTheSameRate) {
     const Attachment input = *decide_input(free_port("0"), &kIbusProtocol).attachment;
     EXPECT_TRUE(has(port_conflict({input}, *decide_output(free_port("0"), nullptr, "").attachment),
                     "a port has one rate and parity, and those of ibus and sbus differ"));

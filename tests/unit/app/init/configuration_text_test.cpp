@@ -68,7 +68,7 @@ Plan plan_of(const Attachment& input, const Attachment& output) {
     return {.inputs = {input}, .outputs = {output}};
 }
 
-TEST(InitText, is_a_configuration_for_each_pair_of_protocols) {
+TEST(InitText, IsAConfigurationForEachPairOfProtocols) {
     std::size_t tried = 0;
     for (const Protocol* in : offered_protocols(SettingScope::input)) {
         for (const Protocol* out : offered_protocols(SettingScope::output)) {
@@ -157,16 +157,16 @@ void expect_configurations_for_all_inputs(std::size_t most_outputs) {
     EXPECT_GT(tried, 500U);
 }
 
-TEST(InitText, is_a_configuration_for_everything_that_can_be_heard_and_every_pair_of_outputs) {
+TEST(InitText, IsAConfigurationForEverythingThatCanBeHeardAndEveryPairOfOutputs) {
     expect_configurations_for_all_inputs(2);
 }
 
 /// Each further protocol doubles their number.
-TEST(InitTextOfEverySet, is_a_configuration_for_everything_that_can_be_heard) {
+TEST(InitTextOfEverySet, IsAConfigurationForEverythingThatCanBeHeard) {
     expect_configurations_for_all_inputs(offered_protocols(SettingScope::output).size());
 }
 
-TEST(InitText, is_a_configuration_with_the_proposed_keys_uncommented) {
+TEST(InitText, IsAConfigurationWithTheProposedKeysUncommented) {
     for (const Protocol* in : offered_protocols(SettingScope::input)) {
         for (const Protocol* out : offered_protocols(SettingScope::output)) {
             Plan plan = plan_of(input_of(*in), output_of(*out));
@@ -201,7 +201,7 @@ void expect_all_held(std::span<const Protocol* const> protocols) {
     EXPECT_EQ(input_names(plan)[1], name + "2");
 }
 
-TEST(InitText, holds_several_inputs_and_outputs) {
+TEST(InitText, HoldsSeveralInputsAndOutputs) {
     const auto offered = offered_protocols(SettingScope::input);
     constexpr std::size_t kAtOnce = kMostPipelineInputs / 2;
     for (std::size_t first = 0; first < offered.size(); first += kAtOnce) {
@@ -210,7 +210,7 @@ TEST(InitText, holds_several_inputs_and_outputs) {
     }
 }
 
-TEST(InitText, holds_what_was_heard) {
+TEST(InitText, HoldsWhatWasHeard) {
     doctor::LineStory story = heard_sbus();
     story.line = doctor::kFastSbusLine;
     story.scale = {"futaba", "the sticks rest at 1024"};
@@ -226,7 +226,7 @@ TEST(InitText, holds_what_was_heard) {
     EXPECT_EQ(made.inputs[0].settings.get_or<std::string>("scale", ""), "futaba");
 }
 
-TEST(InitText, says_which_channels_a_receiver_of_14_channels_does_not_send) {
+TEST(InitText, SaysWhichChannelsAReceiverOf14ChannelsDoesNotSend) {
     const auto text_for = [](std::size_t channels) {
         return configuration_text(
             plan_of(heard_input(heard_ibus(channels)), output_of(kSbusProtocol)), "rc.toml");
@@ -235,7 +235,7 @@ TEST(InitText, says_which_channels_a_receiver_of_14_channels_does_not_send) {
     EXPECT_FALSE(has(text_for(18), "# The receiver sends"));
 }
 
-TEST(InitText, sends_presets_if_the_protocol_has_a_mark_for_failsafe) {
+TEST(InitText, SendsPresetsIfTheProtocolHasAMarkForFailsafe) {
     Plan plan = plan_of(input_of(kIbusProtocol), output_of(kSbusProtocol));
     plan.throttle_us = 1500;
     EXPECT_TRUE(sends_presets(plan));
@@ -247,7 +247,7 @@ TEST(InitText, sends_presets_if_the_protocol_has_a_mark_for_failsafe) {
     EXPECT_EQ(failsafe.hold, std::chrono::milliseconds(300));
 }
 
-TEST(InitText, falls_silent_if_the_protocol_has_no_mark_for_failsafe) {
+TEST(InitText, FallsSilentIfTheProtocolHasNoMarkForFailsafe) {
     Plan plan = plan_of(input_of(kSbusProtocol), output_of(kIbusProtocol));
     EXPECT_FALSE(sends_presets(plan));
     const Configuration alone = loaded(configuration_text(plan, "rc.toml"));
@@ -263,7 +263,7 @@ TEST(InitText, falls_silent_if_the_protocol_has_no_mark_for_failsafe) {
 }
 
 /// Names come from the command line and may hold anything that a file name may.
-TEST(InitText, asks_for_a_safe_preset_first_only_if_one_is_sent) {
+TEST(InitText, AsksForASafePresetFirstOnlyIfOneIsSent) {
     const std::string step = "\n# - Set `preset` at the end to what is safe on your machine.\n";
     EXPECT_TRUE(has(
         configuration_text(plan_of(input_of(kIbusProtocol), output_of(kSbusProtocol)), "rc.toml"),
@@ -273,7 +273,7 @@ TEST(InitText, asks_for_a_safe_preset_first_only_if_one_is_sent) {
         step));
 }
 
-TEST(InitText, keeps_names_out_of_comments_that_would_break_them) {
+TEST(InitText, KeepsNamesOutOfCommentsThatWouldBreakThem) {
     Plan plan = plan_of(input_of(kIbusProtocol), output_of(kSbusProtocol));
     plan.inputs[0].node = "/dev/\n[runtime]\ncpu = 99";
     plan.inputs[0].name = "/dev/\"quoted\" # 1";
@@ -283,7 +283,7 @@ TEST(InitText, keeps_names_out_of_comments_that_would_break_them) {
     EXPECT_FALSE(made.runtime.cpu);
 }
 
-TEST(InitText, keeps_to_80_columns) {
+TEST(InitText, KeepsTo80Columns) {
     for (const Protocol* out : offered_protocols(SettingScope::output)) {
         std::istringstream lines(
             configuration_text(plan_of(heard_input(heard_ibus(18)), output_of(*out)), "rc.toml"));

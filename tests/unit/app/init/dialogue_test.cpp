@@ -91,7 +91,7 @@ Attachment taken(const std::string& number) {
     return *decide_input(free_port(number), &kIbusProtocol).attachment;
 }
 
-TEST_F(InitDialogue, enter_takes_the_first_free_port_and_what_is_heard_there) {
+TEST_F(InitDialogue, EnterTakesTheFirstFreePortAndWhatIsHeardThere) {
     ports.ports[0] = with_problem(free_port("0"), "port.in_use", "it is in use by cat");
     ports.stories["/dev/ttyUSB1"] = {heard_ibus()};
     const auto input = answers("\n").ask_input();
@@ -102,7 +102,7 @@ TEST_F(InitDialogue, enter_takes_the_first_free_port_and_what_is_heard_there) {
     EXPECT_TRUE(said("Heard: i.Bus, 14 channels")) << all_said();
 }
 
-TEST_F(InitDialogue, a_port_is_chosen_by_number_name_or_path) {
+TEST_F(InitDialogue, APortIsChosenByNumberNameOrPath) {
     for (const std::string answer : {"2", "/dev/ttyUSB1", "/dev/serial/by-id/usb-FTDI_1"}) {
         ports.stories["/dev/ttyUSB1"] = {heard_sbus()};
         const auto input = answers(answer + "\n").ask_input();
@@ -112,7 +112,7 @@ TEST_F(InitDialogue, a_port_is_chosen_by_number_name_or_path) {
     }
 }
 
-TEST_F(InitDialogue, a_wrong_answer_is_asked_for_again_with_what_is_allowed) {
+TEST_F(InitDialogue, AWrongAnswerIsAskedForAgainWithWhatIsAllowed) {
     ports.stories["/dev/ttyUSB1"] = {heard_ibus()};
     const auto input = answers("7\nttyUSB9\n 2 \r\n").ask_input();
     ASSERT_TRUE(input) << all_said();
@@ -123,7 +123,7 @@ TEST_F(InitDialogue, a_wrong_answer_is_asked_for_again_with_what_is_allowed) {
     EXPECT_TRUE(all_answers_read());
 }
 
-TEST_F(InitDialogue, after_silence_enter_listens_again) {
+TEST_F(InitDialogue, AfterSilenceEnterListensAgain) {
     ports.stories["/dev/ttyUSB0"] = {doctor::LineStory(), heard_ibus()};
     const auto input = answers("1\n\n").ask_input();
     ASSERT_TRUE(input) << all_said();
@@ -131,7 +131,7 @@ TEST_F(InitDialogue, after_silence_enter_listens_again) {
     EXPECT_TRUE(said("nothing was heard")) << all_said();
 }
 
-TEST_F(InitDialogue, after_silence_another_port_can_be_chosen) {
+TEST_F(InitDialogue, AfterSilenceAnotherPortCanBeChosen) {
     ports.stories["/dev/ttyUSB0"] = {doctor::LineStory()};
     ports.stories["/dev/ttyUSB1"] = {heard_ibus()};
     const auto input = answers("1\nother\n2\n").ask_input();
@@ -139,7 +139,7 @@ TEST_F(InitDialogue, after_silence_another_port_can_be_chosen) {
     EXPECT_EQ(input->node, "/dev/ttyUSB1");
 }
 
-TEST_F(InitDialogue, after_silence_the_protocol_can_be_named) {
+TEST_F(InitDialogue, AfterSilenceTheProtocolCanBeNamed) {
     ports.stories["/dev/ttyUSB0"] = {doctor::LineStory()};
     const auto input = answers("1\nsbus\n").ask_input();
     ASSERT_TRUE(input) << all_said();
@@ -147,7 +147,7 @@ TEST_F(InitDialogue, after_silence_the_protocol_can_be_named) {
 }
 
 /// What a person sees when nothing was heard, from the question to the cursor.
-TEST_F(InitDialogue, after_silence_question_and_reason_are_on_one_small_screen_the_reason_last) {
+TEST_F(InitDialogue, AfterSilenceQuestionAndReasonAreOnOneSmallScreenTheReasonLast) {
     ports.stories["/dev/ttyUSB0"] = {doctor::LineStory()};
     std::istringstream in("1\n");
     std::ostringstream out;
@@ -165,7 +165,7 @@ TEST_F(InitDialogue, after_silence_question_and_reason_are_on_one_small_screen_t
         << asked;
 }
 
-TEST_F(InitDialogue, after_silence_says_the_port_once) {
+TEST_F(InitDialogue, AfterSilenceSaysThePortOnce) {
     ports.stories["/dev/ttyUSB0"] = {doctor::LineStory()};
     EXPECT_FALSE(answers("1\n").ask_input());
     const std::string asked = all_said().substr(all_said().find("What now?"));
@@ -174,7 +174,7 @@ TEST_F(InitDialogue, after_silence_says_the_port_once) {
     EXPECT_EQ(asked.find("/dev/ttyUSB0", first + 1), std::string::npos) << asked;
 }
 
-TEST_F(InitDialogue, a_protocol_that_the_port_cannot_run_is_refused) {
+TEST_F(InitDialogue, AProtocolThatThePortCannotRunIsRefused) {
     ports.ports = {mini_uart()};
     ports.stories["/dev/ttyS0"] = {doctor::LineStory()};
     const auto input = answers("1\nsbus\nibus\n").ask_input();
@@ -183,7 +183,7 @@ TEST_F(InitDialogue, a_protocol_that_the_port_cannot_run_is_refused) {
     EXPECT_TRUE(said("it has no parity bit")) << all_said();
 }
 
-TEST_F(InitDialogue, the_protocol_of_an_interface_is_asked_for) {
+TEST_F(InitDialogue, TheProtocolOfAnInterfaceIsAskedFor) {
     const auto native = answers("can0\n\n").ask_input();
     ASSERT_TRUE(native) << all_said();
     EXPECT_EQ(native->protocol, &kCanProtocol);
@@ -193,14 +193,14 @@ TEST_F(InitDialogue, the_protocol_of_an_interface_is_asked_for) {
     EXPECT_EQ(ports.listened, 0U);
 }
 
-TEST_F(InitDialogue, enter_takes_sbus_at_a_port_other_than_that_of_the_input) {
+TEST_F(InitDialogue, EnterTakesSbusAtAPortOtherThanThatOfTheInput) {
     const auto output = answers("\n\n").ask_output({taken("0")});
     ASSERT_TRUE(output) << all_said();
     EXPECT_EQ(output->node, "/dev/ttyUSB1");
     EXPECT_EQ(output->protocol, &kSbusProtocol);
 }
 
-TEST_F(InitDialogue, protocols_that_the_port_cannot_run_are_not_offered) {
+TEST_F(InitDialogue, ProtocolsThatThePortCannotRunAreNotOffered) {
     ports.ports = {mini_uart()};
     const auto output = answers("1\n99\n1\n").ask_output({});
     ASSERT_TRUE(output) << all_said();
@@ -209,7 +209,7 @@ TEST_F(InitDialogue, protocols_that_the_port_cannot_run_are_not_offered) {
     EXPECT_TRUE(said("\"99\" is not one of them")) << all_said();
 }
 
-TEST_F(InitDialogue, an_output_that_its_port_refuses_is_asked_for_again) {
+TEST_F(InitDialogue, AnOutputThatItsPortRefusesIsAskedForAgain) {
     ports.refusals["/dev/ttyUSB0"] = "asked for 100000 baud, it made 115200";
     const auto output = answers("1\nsbus\n2\nsbus\n").ask_output({});
     ASSERT_TRUE(output) << all_said();
@@ -217,7 +217,7 @@ TEST_F(InitDialogue, an_output_that_its_port_refuses_is_asked_for_again) {
     EXPECT_TRUE(said("asked for 100000 baud")) << all_said();
 }
 
-TEST_F(InitDialogue, an_output_on_the_port_of_an_input_must_have_the_same_rate) {
+TEST_F(InitDialogue, AnOutputOnThePortOfAnInputMustHaveTheSameRate) {
     const auto output = answers("1\nsbus\n1\nibus\n").ask_output({taken("0")});
     ASSERT_TRUE(output) << all_said();
     EXPECT_EQ(output->node, "/dev/ttyUSB0");
@@ -225,13 +225,13 @@ TEST_F(InitDialogue, an_output_on_the_port_of_an_input_must_have_the_same_rate) 
     EXPECT_TRUE(said("a port has one rate and parity")) << all_said();
 }
 
-TEST_F(InitDialogue, without_a_port_enter_looks_again) {
+TEST_F(InitDialogue, WithoutAPortEnterLooksAgain) {
     ports.ports.clear();
     EXPECT_FALSE(answers("\n\n").ask_output({}));
     EXPECT_TRUE(said("No serial port and no CAN interface was found")) << all_said();
 }
 
-TEST_F(InitDialogue, the_throttle_is_low_centred_or_a_pulse) {
+TEST_F(InitDialogue, TheThrottleIsLowCentredOrAPulse) {
     EXPECT_EQ(answers("\n").ask_throttle(), 988);
     EXPECT_EQ(answers("2\n").ask_throttle(), 1500);
     EXPECT_EQ(answers("1100\n").ask_throttle(), 1100);
@@ -240,7 +240,7 @@ TEST_F(InitDialogue, the_throttle_is_low_centred_or_a_pulse) {
     EXPECT_TRUE(said("\"2501\" is not allowed")) << all_said();
 }
 
-TEST_F(InitDialogue, every_question_returns_nothing_if_the_answers_end) {
+TEST_F(InitDialogue, EveryQuestionReturnsNothingIfTheAnswersEnd) {
     ports.stories["/dev/ttyUSB0"] = {doctor::LineStory()};
     EXPECT_FALSE(answers("").ask_input());
     EXPECT_FALSE(answers("1\n").ask_input());
@@ -250,7 +250,7 @@ TEST_F(InitDialogue, every_question_returns_nothing_if_the_answers_end) {
     EXPECT_FALSE(answers("x\n").ask_throttle());
 }
 
-TEST_F(InitDialogue, keeps_to_40_columns) {
+TEST_F(InitDialogue, KeepsTo40Columns) {
     ports.ports = {with_problem(free_port("0"), "port.in_use", "it is in use by cat"), mini_uart()};
     ports.stories["/dev/ttyS0"] = {doctor::LineStory()};
     answers("x\n\nibus\n").ask_input();

@@ -10,38 +10,38 @@ namespace {
 
 using Lines = std::vector<std::string>;
 
-TEST(InitNext, words_are_quoted_for_the_shell_where_they_need_it) {
+TEST(InitNext, WordsAreQuotedForTheShellWhereTheyNeedIt) {
     EXPECT_EQ(shell_word("/etc/tribus/a-b_1.toml"), "/etc/tribus/a-b_1.toml");
     EXPECT_EQ(shell_word("my rover.toml"), "'my rover.toml'");
     EXPECT_EQ(shell_word("it's; rm"), "'it'\\''s; rm'");
     EXPECT_EQ(shell_word(""), "''");
 }
 
-TEST(InitNext, comments_name_only_files_that_they_can_hold) {
+TEST(InitNext, CommentsNameOnlyFilesThatTheyCanHold) {
     EXPECT_EQ(name_in_comments("servos.toml"), "servos.toml");
     EXPECT_EQ(name_in_comments("-"), "FILE");
     EXPECT_EQ(name_in_comments("a\nb.toml"), "FILE");
     EXPECT_EQ(name_in_comments("f\xc3\xbc.toml"), "FILE");
 }
 
-TEST(InitNext, commands_check_and_learn_before_they_run) {
+TEST(InitNext, CommandsCheckAndLearnBeforeTheyRun) {
     EXPECT_EQ(next_commands("servos.toml", "receiver"),
               (Lines{"tribus check servos.toml", "tribus learn servos.toml:receiver",
                      "tribus run servos.toml"}));
 }
 
-TEST(InitNext, service_runs_the_file_by_its_name) {
+TEST(InitNext, ServiceRunsTheFileByItsName) {
     EXPECT_EQ(service_commands("servos.toml"),
               (Lines{"sudo cp servos.toml /etc/tribus/ && "
                      "sudo systemctl enable --now tribus@servos"}));
 }
 
-TEST(InitNext, a_file_that_is_in_its_place_is_not_copied) {
+TEST(InitNext, AFileThatIsInItsPlaceIsNotCopied) {
     EXPECT_EQ(service_commands("/etc/tribus/servos.toml"),
               (Lines{"sudo systemctl enable --now tribus@servos"}));
 }
 
-TEST(InitNext, names_that_no_service_can_have_get_another) {
+TEST(InitNext, NamesThatNoServiceCanHaveGetAnother) {
     EXPECT_EQ(service_commands("/tmp/my rover.toml"),
               (Lines{"sudo cp '/tmp/my rover.toml' /etc/tribus/rc.toml && "
                      "sudo systemctl enable --now tribus@rc"}));

@@ -21,7 +21,7 @@ std::ptrdiff_t files_in(const TemporaryFolder& folder) {
     return std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator());
 }
 
-TEST(InitFile, is_complete_and_alone) {
+TEST(InitFile, IsCompleteAndAlone) {
     const TemporaryFolder folder;
     const std::string path = folder / "rc.toml";
     EXPECT_EQ(file_problem(path, false), "");
@@ -32,7 +32,7 @@ TEST(InitFile, is_complete_and_alone) {
 }
 
 /// The service reads it as another user.
-TEST(InitFile, can_be_read_by_others_as_the_umask_allows) {
+TEST(InitFile, CanBeReadByOthersAsTheUmaskAllows) {
     const TemporaryFolder folder;
     const mode_t before = ::umask(022);
     EXPECT_TRUE(write_file(folder / "rc.toml", "", false));
@@ -42,7 +42,7 @@ TEST(InitFile, can_be_read_by_others_as_the_umask_allows) {
     EXPECT_EQ(told.st_mode & 0777U, 0644U);
 }
 
-TEST(InitFile, that_exists_is_not_replaced) {
+TEST(InitFile, ThatExistsIsNotReplaced) {
     const TemporaryFolder folder;
     const std::string path = folder.write("rc.toml", "mine");
     EXPECT_EQ(file_problem(path, false), path + " exists; --force replaces it");
@@ -53,13 +53,13 @@ TEST(InitFile, that_exists_is_not_replaced) {
     EXPECT_EQ(files_in(folder), 1);
 }
 
-TEST(InitFile, that_is_a_link_to_nothing_exists) {
+TEST(InitFile, ThatIsALinkToNothingExists) {
     const TemporaryFolder folder;
     fs::create_symlink(folder / "nothing", folder / "rc.toml");
     EXPECT_NE(file_problem(folder / "rc.toml", false), "");
 }
 
-TEST(InitFile, is_replaced_on_request_and_keeps_its_mode) {
+TEST(InitFile, IsReplacedOnRequestAndKeepsItsMode) {
     const TemporaryFolder folder;
     const std::string path = folder.write("rc.toml", "old");
     fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read);
@@ -72,7 +72,7 @@ TEST(InitFile, is_replaced_on_request_and_keeps_its_mode) {
     EXPECT_EQ(files_in(folder), 1);
 }
 
-TEST(InitFile, behind_a_link_is_replaced_and_the_link_stays) {
+TEST(InitFile, BehindALinkIsReplacedAndTheLinkStays) {
     const TemporaryFolder folder;
     folder.write("real.toml", "old");
     fs::create_symlink("real.toml", folder / "rc.toml");
@@ -82,7 +82,7 @@ TEST(InitFile, behind_a_link_is_replaced_and_the_link_stays) {
     EXPECT_EQ(folder.read("real.toml"), "new");
 }
 
-TEST(InitFile, must_be_a_regular_file) {
+TEST(InitFile, MustBeARegularFile) {
     const TemporaryFolder folder;
     EXPECT_NE(file_problem(folder.path().string(), true).find("is not a regular file"),
               std::string::npos);
@@ -91,7 +91,7 @@ TEST(InitFile, must_be_a_regular_file) {
     EXPECT_NE(file_problem("/dev/null", true).find("is not a regular file"), std::string::npos);
 }
 
-TEST(InitFile, needs_an_existing_folder) {
+TEST(InitFile, NeedsAnExistingFolder) {
     const TemporaryFolder folder;
     EXPECT_NE(file_problem(folder / "none/rc.toml", false).find("No such file or directory"),
               std::string::npos);

@@ -176,7 +176,7 @@ TEST(Graph, NumbersInputsInTheirOrder) {
     EXPECT_TRUE(drawn.arrows[3].dashed);
 }
 
-TEST(GraphPicture, OfTheSameGraphIsTheSame) {
+TEST(GraphPicture, IsTheSameForTheSameGraph) {
     EXPECT_EQ(graph_svg(graph()), graph_svg(graph()));
 }
 
@@ -202,7 +202,7 @@ TEST(GraphPicture, EscapesForMermaid) {
               "  n1[\"<b>out</b>\"]\n  n0 -->|#lt;1#gt;| n1\n");
 }
 
-TEST(GraphPicture, OfNothingIsAPicture) {
+TEST(GraphPicture, IsAPictureOfNothingToo) {
     EXPECT_TRUE(graph_svg({}).starts_with("<svg"));
     EXPECT_EQ(graph_mermaid({}), "flowchart LR\n");
 }

@@ -46,14 +46,14 @@ InputConfig ibus_input() {
     return load_configuration(test::main_job_with(0, ""), "t.toml")->inputs[0];
 }
 
-TEST(LossStudy, of_frames_that_never_came_sends_the_person_to_the_wire) {
+TEST(LossStudy, SendsThePersonToTheWireIfFramesNeverCame) {
     const LossStudyResult result = study_loss(ibus_input(), {}, kTimes);
     EXPECT_FALSE(result.recognised);
     ASSERT_EQ(result.findings.size(), 1U);
     EXPECT_EQ(result.findings[0], "no frame came while the transmitter was on");
 }
 
-TEST(LossStudy, of_a_value_below_what_is_flown_puts_the_limit_half_way) {
+TEST(LossStudy, PutsTheLimitHalfWayToAValueBelowWhatIsFlown) {
     const auto studied = frames([](Instant at) { return is_off(at) ? 900 : flown(at); });
     const LossStudyResult result = study_loss(ibus_input(), studied, kTimes);
     EXPECT_TRUE(result.recognised);
@@ -63,13 +63,13 @@ TEST(LossStudy, of_a_value_below_what_is_flown_puts_the_limit_half_way) {
     EXPECT_EQ(result.time_to_return, Duration(0));
 }
 
-TEST(LossStudy, of_a_value_above_what_is_flown_puts_the_limit_half_way) {
+TEST(LossStudy, PutsTheLimitHalfWayToAValueAboveWhatIsFlown) {
     const auto studied = frames([](Instant at) { return is_off(at) ? 2101 : flown(at); });
     EXPECT_EQ(study_loss(ibus_input(), studied, kTimes).lines,
               std::vector<std::string>{"failsafe_when = [{ channel = 1, above = 2050 }]"});
 }
 
-TEST(LossStudy, of_a_value_between_two_positions_of_a_switch_names_the_range) {
+TEST(LossStudy, NamesTheRangeForAValueBetweenTwoPositionsOfASwitch) {
     const auto studied = frames([](Instant at) {
         return is_off(at) ? 1300 : at.time_since_epoch() / 1s % 2 == 0 ? 1000 : 2000;
     });
@@ -78,14 +78,14 @@ TEST(LossStudy, of_a_value_between_two_positions_of_a_switch_names_the_range) {
         std::vector<std::string>{"failsafe_when = [{ channel = 1, between = [1150, 1650] }]"});
 }
 
-TEST(LossStudy, of_a_value_hardly_beyond_what_is_flown_prints_no_rule_on_it) {
+TEST(LossStudy, PrintsNoRuleOnAValueHardlyBeyondWhatIsFlown) {
     const auto studied = frames([](Instant at) { return is_off(at) ? 990 : flown(at); });
     for (const std::string& line : study_loss(ibus_input(), studied, kTimes).lines) {
         EXPECT_EQ(line.find("failsafe_when"), std::string::npos) << line;
     }
 }
 
-TEST(LossStudy, of_silence_needs_nothing) {
+TEST(LossStudy, NeedsNothingForSilence) {
     const auto studied = frames([](Instant at) { return is_off(at) ? 0 : flown(at); });
     const LossStudyResult result = study_loss(ibus_input(), studied, kTimes);
     EXPECT_TRUE(result.recognised);
@@ -93,7 +93,7 @@ TEST(LossStudy, of_silence_needs_nothing) {
     EXPECT_EQ(result.time_to_loss, Duration(90ms)) << "the last frame came 10 ms before";
 }
 
-TEST(LossStudy, of_frames_further_apart_than_the_timeout_makes_it_longer) {
+TEST(LossStudy, MakesTheTimeoutLongerForFramesFurtherApart) {
     const auto studied = frames([](Instant at) {
         const bool pause = at > Instant(2s) && at < Instant(2150ms);
         return pause || is_off(at) ? 0 : flown(at);
@@ -103,7 +103,7 @@ TEST(LossStudy, of_frames_further_apart_than_the_timeout_makes_it_longer) {
     EXPECT_EQ(result.lines, std::vector<std::string>{"timeout = \"300ms\""});
 }
 
-TEST(LossStudy, of_values_that_anybody_could_fly_tells_what_to_set) {
+TEST(LossStudy, TellsWhatToSetForValuesThatAnybodyCouldFly) {
     const auto studied = frames([](Instant at) {
         const auto step = static_cast<int>(at.time_since_epoch() / 10ms);
         return is_off(at) ? 1500 + step % 2 : flown(at);
@@ -115,7 +115,7 @@ TEST(LossStudy, of_values_that_anybody_could_fly_tells_what_to_set) {
     EXPECT_NE(result.advice[0].find("about 900 us"), std::string::npos);
 }
 
-TEST(LossStudy, uses_a_rule_that_the_configuration_has_already) {
+TEST(LossStudy, UsesARuleThatTheConfigurationHasAlready) {
     InputConfig input = ibus_input();
     input.supervision.failsafe_when.push_back(
         {.channel = 0, .below = Pulse::from_microseconds(950)});

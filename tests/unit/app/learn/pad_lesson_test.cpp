@@ -280,7 +280,7 @@ TEST(PadLesson, WantsTheDeadMansButtonHeldForASecond) {
     EXPECT_EQ(person.lines().back(), "dead_man = \"BTN_TR\"");
 }
 
-TEST(PadLesson, OfAProgramThatGuidesThePersonGoesOnWhenThatSaysSo) {
+TEST(PadLesson, GoesOnWhenTheProgramThatGuidesThePersonSaysSo) {
     PadPerson person(true);
     person.wait(200ms);
     person.go_on();

@@ -300,7 +300,7 @@ TEST_F(MonitorScreen, HasNoColourWhereNoneIsWanted) {
     EXPECT_NE(draw_monitor(view_, style_).find("\x1b[0m"), std::string::npos);
 }
 
-TEST_F(MonitorScreen, OfWhatIsNoStatusShowsNothingWrong) {
+TEST_F(MonitorScreen, ShowsNothingWrongForWhatIsNoStatus) {
     for (const char* text : {"null", "[]", "7", R"({"inputs":7,"outputs":[7,{"channels":"x"}]})",
                              R"({"inputs":[{"name":"a\u001b[2Jb"}]})"}) {
         view_.status = json::parse(text);

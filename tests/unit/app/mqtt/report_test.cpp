@@ -109,7 +109,7 @@ TEST(MqttEvents, AreNoneWhileNothingChanges) {
     EXPECT_TRUE(changes(status(), later_status, kNow).empty());
 }
 
-TEST(MqttEvents, OfALossHaveTheCauseAndTheTimeAtWhichItBegan) {
+TEST(MqttEvents, HaveTheCauseOfALossAndTheTimeAtWhichItBegan) {
     Json lost = status();
     lost["inputs"][0]["cause"] = "wire_silent";
     lost["inputs"][0]["state_age_us"] = 150'000;
@@ -154,7 +154,7 @@ TEST(MqttEvents, TellTrialsAndWhatBecameOfThem) {
     EXPECT_EQ(texts(changes(trial, status(), kNow)), (Lines{"configuration: went back"}));
 }
 
-TEST(MqttEvents, OfANewProcessAreItsStartAlone) {
+TEST(MqttEvents, AreTheStartAloneForANewProcess) {
     Json again = status();
     again["uptime_us"] = 300'000;
     again["inputs"][0]["cause"] = "never_seen";

@@ -103,7 +103,7 @@ TEST(HelpPages, HaveNoWordsOfALibrary) {
     }
 }
 
-TEST(HelpPages, OfCommandsHaveExamplesAndExitStatuses) {
+TEST(HelpPages, HaveExamplesAndExitStatusesForCommands) {
     for (const Program& program : programs()) {
         for (const Command& command : program.commands) {
             const std::string help = help_of(program, command);

@@ -97,15 +97,15 @@ void damage_each_byte(bool can) {
     }
 }
 
-TEST(DamagedRing, of_a_serial_port_gives_a_recording_that_can_be_read_whichever_byte_it_is) {
+TEST(DamagedRing, GivesARecordingOfASerialPortThatCanBeReadWhicheverByteItIs) {
     damage_each_byte(false);
 }
 
-TEST(DamagedRing, of_a_can_interface_gives_a_recording_that_can_be_read_whichever_byte_it_is) {
+TEST(DamagedRing, GivesARecordingOfACanInterfaceThatCanBeReadWhicheverByteItIs) {
     damage_each_byte(true);
 }
 
-TEST(DamagedRing, loses_the_burst_of_the_damaged_piece_only) {
+TEST(DamagedRing, LosesTheBurstOfTheDamagedPieceOnly) {
     Image image(false);
     // The byte count of the second piece of the third write is 21 bytes into that piece.
     image.bytes()[64 + 5 * sizeof(CapturePiece) + 21] = std::byte{0xFF};
@@ -152,14 +152,14 @@ class LeftFolder : public testing::Test {
     Image image_{false};
 };
 
-TEST_F(LeftFolder, is_read_with_the_instant_of_its_newest_piece) {
+TEST_F(LeftFolder, IsReadWithTheInstantOfItsNewestPiece) {
     const auto left = read();
     ASSERT_TRUE(left) << left.error();
     EXPECT_EQ(left->rings.size(), 1U);
     EXPECT_EQ(left->latest, Instant(1s + 35ms));
 }
 
-TEST_F(LeftFolder, whose_newest_piece_is_damaged_goes_by_the_one_before) {
+TEST_F(LeftFolder, WhoseNewestPieceIsDamagedGoesByTheOneBefore) {
     // The highest byte of the time in the last two pieces, which are the last write.
     for (const std::size_t piece : {10U, 11U}) {
         image_.bytes()[64 + piece * sizeof(CapturePiece) + 7] = std::byte{0x40};
@@ -170,7 +170,7 @@ TEST_F(LeftFolder, whose_newest_piece_is_damaged_goes_by_the_one_before) {
     EXPECT_EQ(left->latest, Instant(1s + 28ms));
 }
 
-TEST_F(LeftFolder, with_a_name_that_leads_elsewhere_is_refused) {
+TEST_F(LeftFolder, WithANameThatLeadsElsewhereIsRefused) {
     for (const char* name : {"../0.ring", "/etc/passwd", "..", ".", "", "a/b"}) {
         plan_.ports[0].ring_file = name;
         EXPECT_FALSE(read()) << name;
@@ -189,24 +189,24 @@ TEST_F(LeftFolder, with_a_name_that_leads_elsewhere_is_refused) {
     EXPECT_TRUE(read());
 }
 
-TEST_F(LeftFolder, with_text_of_several_lines_for_the_reader_is_refused) {
+TEST_F(LeftFolder, WithTextOfSeveralLinesForTheReaderIsRefused) {
     plan_.replay = "true\n  rm -r /";
     EXPECT_FALSE(read());
 }
 
-TEST_F(LeftFolder, that_began_after_now_is_refused) {
+TEST_F(LeftFolder, ThatBeganAfterNowIsRefused) {
     plan_.begin = kNow + 1s;
     EXPECT_FALSE(read());
 }
 
-TEST_F(LeftFolder, with_a_byte_time_that_no_line_has_is_refused) {
+TEST_F(LeftFolder, WithAByteTimeThatNoLineHasIsRefused) {
     for (const Duration byte_time : {Duration(-1), Duration(2s), Duration::max()}) {
         plan_.ports[0].byte_time = byte_time;
         EXPECT_FALSE(read()) << byte_time.count();
     }
 }
 
-TEST_F(LeftFolder, with_something_else_than_a_file_is_refused_and_not_waited_for) {
+TEST_F(LeftFolder, WithSomethingElseThanAFileIsRefusedAndNotWaitedFor) {
     const fs::path ring = folder_.path() / "0.ring";
     fs::remove(ring);
     ASSERT_EQ(::mkfifo(ring.c_str(), 0600), 0);
@@ -226,19 +226,19 @@ TEST_F(LeftFolder, with_something_else_than_a_file_is_refused_and_not_waited_for
     EXPECT_FALSE(read_left_recording(folder_.path(), kNow));
 }
 
-TEST_F(LeftFolder, with_a_ring_larger_than_any_is_refused) {
+TEST_F(LeftFolder, WithARingLargerThanAnyIsRefused) {
     fs::resize_file(folder_.path() / "0.ring", std::uintmax_t{1} << 40U);
     const auto left = read();
     ASSERT_FALSE(left);
     EXPECT_NE(left.error().find("1099511627776 bytes"), std::string::npos) << left.error();
 }
 
-TEST_F(LeftFolder, with_a_ring_that_is_cut_is_refused) {
+TEST_F(LeftFolder, WithARingThatIsCutIsRefused) {
     fs::resize_file(folder_.path() / "0.ring", 1000);
     EXPECT_FALSE(read());
 }
 
-TEST_F(LeftFolder, in_which_nothing_had_passed_is_refused) {
+TEST_F(LeftFolder, InWhichNothingHadPassedIsRefused) {
     std::vector<Line> lines(kRingBytes / sizeof(Line));
     CaptureRing::create(std::as_writable_bytes(std::span(lines)));
     write("0.ring", std::as_bytes(std::span(lines)));

@@ -74,13 +74,13 @@ class RecordingFolder : public testing::Test {
     CaptureRing ring_ = CaptureRing::create(std::as_writable_bytes(std::span(memory_)));
 };
 
-TEST_F(RecordingFolder, is_named_by_time_and_kind) {
+TEST_F(RecordingFolder, IsNamedByTimeAndKind) {
     const auto written = write_recording(order());
     ASSERT_TRUE(written) << written.error();
     EXPECT_EQ(written->filename(), "2026-11-22T12-00-05Z-failsafe");
 }
 
-TEST_F(RecordingFolder, has_what_passed_and_the_configuration) {
+TEST_F(RecordingFolder, HasWhatPassedAndTheConfiguration) {
     const auto written = write_recording(order());
     ASSERT_TRUE(written) << written.error();
     const auto recording =
@@ -94,14 +94,14 @@ TEST_F(RecordingFolder, has_what_passed_and_the_configuration) {
     EXPECT_NE(told.find("  tribus simulate config.toml"), std::string::npos) << told;
 }
 
-TEST_F(RecordingFolder, of_the_same_second_gets_a_number) {
+TEST_F(RecordingFolder, GivesANumberToARecordingOfTheSameSecond) {
     ASSERT_TRUE(write_recording(order()));
     const auto second = write_recording(order());
     ASSERT_TRUE(second) << second.error();
     EXPECT_EQ(second->filename(), "2026-11-22T12-00-05Z-failsafe-2");
 }
 
-TEST_F(RecordingFolder, beyond_the_number_to_keep_is_removed_the_oldest_first) {
+TEST_F(RecordingFolder, BeyondTheNumberToKeepIsRemovedTheOldestFirst) {
     RecordingOrder next = order();
     next.keep = 2;
     for (int i = 0; i < 4; ++i) {
@@ -112,7 +112,7 @@ TEST_F(RecordingFolder, beyond_the_number_to_keep_is_removed_the_oldest_first) {
                                                  "2026-11-22T12-00-08Z-failsafe"}));
 }
 
-TEST_F(RecordingFolder, of_one_second_are_removed_in_their_order_too) {
+TEST_F(RecordingFolder, RemovesRecordingsOfOneSecondInTheirOrderToo) {
     RecordingOrder next = order();
     next.keep = 2;
     for (int i = 0; i < 12; ++i) {
@@ -122,7 +122,7 @@ TEST_F(RecordingFolder, of_one_second_are_removed_in_their_order_too) {
                                                  "2026-11-22T12-00-05Z-failsafe-12"}));
 }
 
-TEST_F(RecordingFolder, beyond_the_space_is_removed_but_never_the_newest) {
+TEST_F(RecordingFolder, BeyondTheSpaceIsRemovedButNeverTheNewest) {
     RecordingOrder next = order();
     next.space = 1;
     for (int i = 0; i < 3; ++i) {
@@ -132,7 +132,7 @@ TEST_F(RecordingFolder, beyond_the_space_is_removed_but_never_the_newest) {
     EXPECT_EQ(found(), std::vector<std::string>{"2026-11-22T12-00-07Z-failsafe"});
 }
 
-TEST_F(RecordingFolder, leaves_other_files_alone) {
+TEST_F(RecordingFolder, LeavesOtherFilesAlone) {
     const fs::path other = folder_.path() / "recordings" / "notes.unfinished";
     fs::create_directories(other);
     RecordingOrder next = order();
@@ -142,7 +142,7 @@ TEST_F(RecordingFolder, leaves_other_files_alone) {
     EXPECT_TRUE(fs::exists(other));
 }
 
-TEST_F(RecordingFolder, that_was_not_finished_is_cleared_away) {
+TEST_F(RecordingFolder, ThatWasNotFinishedIsClearedAway) {
     const fs::path unfinished =
         folder_.path() / "recordings" / "2026-11-22T12-00-05Z-failsafe.unfinished";
     fs::create_directories(unfinished);
@@ -151,7 +151,7 @@ TEST_F(RecordingFolder, that_was_not_finished_is_cleared_away) {
 }
 
 /// A limit of file sizes takes the place of a full disk.
-TEST_F(RecordingFolder, leaves_nothing_where_the_disk_is_full) {
+TEST_F(RecordingFolder, LeavesNothingWhereTheDiskIsFull) {
     rlimit before{};
     ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
     const rlimit small{.rlim_cur = 100, .rlim_max = before.rlim_max};
@@ -166,7 +166,7 @@ TEST_F(RecordingFolder, leaves_nothing_where_the_disk_is_full) {
     EXPECT_TRUE(found().empty());
 }
 
-TEST_F(RecordingFolder, names_what_is_not_recorded) {
+TEST_F(RecordingFolder, NamesWhatIsNotRecorded) {
     RecordingOrder partly = order();
     partly.lacks = {"/dev/ttyAMA4: cannot get memory: Cannot allocate memory"};
     const auto written = write_recording(partly);
@@ -178,7 +178,7 @@ TEST_F(RecordingFolder, names_what_is_not_recorded) {
         << told;
 }
 
-TEST_F(RecordingFolder, says_how_much_of_it_was_damaged) {
+TEST_F(RecordingFolder, SaysHowMuchOfItWasDamaged) {
     // The byte count of the third piece.
     memory_[3].bytes[21] = std::byte{200};
     const auto written = write_recording(order());
@@ -188,12 +188,12 @@ TEST_F(RecordingFolder, says_how_much_of_it_was_damaged) {
         << told;
 }
 
-TEST_F(RecordingFolder, of_a_time_that_is_yet_to_come_does_not_count_as_the_latest) {
+TEST_F(RecordingFolder, DoesNotCountATimeThatIsYetToComeAsTheLatest) {
     ASSERT_TRUE(write_recording(order()));
     EXPECT_FALSE(age_of_latest(folder_.path() / "recordings", "failsafe", Duration(1h)));
 }
 
-TEST_F(RecordingFolder, that_cannot_be_made_says_where) {
+TEST_F(RecordingFolder, ThatCannotBeMadeSaysWhere) {
     RecordingOrder impossible = order();
     impossible.directory = "/proc/nothing";
     const auto written = write_recording(impossible);
@@ -201,7 +201,7 @@ TEST_F(RecordingFolder, that_cannot_be_made_says_where) {
     EXPECT_EQ(written.error().find("/proc/nothing: "), 0U) << written.error();
 }
 
-TEST(RecordingPlan, is_the_same_for_the_process_that_comes_after) {
+TEST(RecordingPlan, IsTheSameForTheProcessThatComesAfter) {
     RecordingPlan plan;
     plan.begin = Instant(3s);
     plan.replay = "tribus simulate config.toml";
@@ -225,7 +225,7 @@ TEST(RecordingPlan, is_the_same_for_the_process_that_comes_after) {
     EXPECT_EQ(after->files.at(0).content, plan.files[0].content);
 }
 
-TEST(RecordingPlan, that_is_damaged_is_none) {
+TEST(RecordingPlan, ThatIsDamagedIsNone) {
     EXPECT_FALSE(plan_from_text("{\"begin_ns\": 1"));
     EXPECT_FALSE(plan_from_text("{\"begin_ns\": \"soon\"}"));
 }

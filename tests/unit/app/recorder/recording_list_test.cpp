@@ -33,11 +33,11 @@ class RecordingList : public testing::Test {
     fs::path directory_ = folder_.path() / "recordings";
 };
 
-TEST_F(RecordingList, OfADirectoryThatIsNotThereIsEmpty) {
+TEST_F(RecordingList, IsEmptyForADirectoryThatIsNotThere) {
     EXPECT_TRUE(names().empty());
 }
 
-TEST_F(RecordingList, OfWhatIsNoDirectoryIsAnError) {
+TEST_F(RecordingList, IsAnErrorForWhatIsNoDirectory) {
     folder_.write("recordings", "");
     const auto list = list_recordings(directory_);
     ASSERT_FALSE(list);

@@ -58,20 +58,20 @@ Reception reception_of(std::initializer_list<std::uint8_t> bytes) {
     return reception;
 }
 
-TEST(CaptureText, of_a_read_tells_when_its_first_byte_began) {
+TEST(CaptureText, TellsWhenTheFirstByteOfAReadBegan) {
     Passing passing(false);
     passing.ring().record(reception_of({0x20, 0x40}), kZero + 7ms);
     EXPECT_EQ(passing.read(), "# t_us  bytes\n6800 20 40\n");
 }
 
-TEST(CaptureText, of_a_write_tells_when_it_was_handed_over) {
+TEST(CaptureText, TellsWhenAWriteWasHandedOver) {
     Passing passing(false);
     passing.ring().record(std::vector<std::uint8_t>{0x0f, 0x00}, kZero + 7ms);
     EXPECT_EQ(passing.written(), "# t_us  bytes\n7000 0f 00\n");
     EXPECT_EQ(passing.read(), "# t_us  bytes\n");
 }
 
-TEST(CaptureText, marks_bytes_that_came_damaged) {
+TEST(CaptureText, MarksBytesThatCameDamaged) {
     Passing passing(false);
     Reception reception = reception_of({0x20, 0x40, 0xdc});
     reception.damaged.set(1);
@@ -79,7 +79,7 @@ TEST(CaptureText, marks_bytes_that_came_damaged) {
     EXPECT_EQ(passing.read(), "# t_us  bytes\n6700 20 40! dc\n");
 }
 
-TEST(CaptureText, of_a_long_read_is_one_line) {
+TEST(CaptureText, IsOneLineForALongRead) {
     Passing passing(false);
     Reception reception;
     reception.count = 100;
@@ -90,21 +90,21 @@ TEST(CaptureText, of_a_long_read_is_one_line) {
     EXPECT_EQ(recording->bursts[0].bytes.size(), 100U);
 }
 
-TEST(CaptureText, never_goes_back_in_time) {
+TEST(CaptureText, NeverGoesBackInTime) {
     Passing passing(false);
     passing.ring().record(reception_of({1, 2, 3, 4}), kZero + 7ms);
     passing.ring().record(reception_of({5, 6, 7, 8}), kZero + 7100us);
     EXPECT_EQ(passing.read(), "# t_us  bytes\n6600 01 02 03 04\n7000 05 06 07 08\n");
 }
 
-TEST(CaptureText, leaves_out_what_came_before_the_zero) {
+TEST(CaptureText, LeavesOutWhatCameBeforeTheZero) {
     Passing passing(false);
     passing.ring().record(reception_of({1}), kZero - 1ms);
     passing.ring().record(reception_of({2}), kZero + 1ms);
     EXPECT_EQ(passing.read(), "# t_us  bytes\n900 02\n");
 }
 
-TEST(CaptureText, of_can_is_a_log_whose_zero_is_that_of_the_recording) {
+TEST(CaptureText, IsALogForCanWhoseZeroIsThatOfTheRecording) {
     Passing passing(true);
     passing.ring().record(Direction::read, {.id = 0x123, .length = 2, .data = {0x11, 0x22}},
                           kZero + 250ms);
@@ -118,7 +118,7 @@ TEST(CaptureText, of_can_is_a_log_whose_zero_is_that_of_the_recording) {
     EXPECT_EQ(recording->can_frames.at(0).at, 250ms);
 }
 
-TEST(CaptureText, keeps_all_bytes_of_an_fd_frame) {
+TEST(CaptureText, KeepsAllBytesOfAnFdFrame) {
     Passing passing(true);
     CanFrame frame{.id = 0x123, .fd = true, .bit_rate_switch = true, .length = 64};
     for (std::size_t i = 0; i < frame.data.size(); ++i) {

@@ -87,7 +87,7 @@ TEST_F(StatusJson, SaysWhoAndWhen) {
     EXPECT_EQ(status["figures_age_us"], 40'000);
 }
 
-TEST_F(StatusJson, OfFiguresThatNeverCameThereIsNoAge) {
+TEST_F(StatusJson, HasNoAgeOfFiguresThatNeverCame) {
     report_.figures_at = Instant{};
     EXPECT_TRUE(told()["figures_age_us"].is_null());
 }
@@ -113,7 +113,7 @@ TEST_F(StatusJson, TellsAGoodInputFromOneWhoseFramesAreMarkedLost) {
     EXPECT_EQ(told()["inputs"][0]["state"], "good");
 }
 
-TEST_F(StatusJson, OfAnInputThatWasNeverSeenThereIsNoAge) {
+TEST_F(StatusJson, HasNoAgeOfAnInputThatWasNeverSeen) {
     const json main = told()["inputs"][0];
     EXPECT_EQ(main["cause"], "never_seen");
     EXPECT_TRUE(main["age_us"].is_null());
@@ -267,7 +267,7 @@ TEST(RateWindow, CountsByTheInstantsOfTheDataThread) {
     EXPECT_DOUBLE_EQ(window.rate_hz(start + std::chrono::seconds(1)), 100);
 }
 
-TEST(RateWindow, OfADataThreadThatStandsStillThereIsNoRate) {
+TEST(RateWindow, HasNoRateOfADataThreadThatStandsStill) {
     RateWindow window;
     const Instant start{std::chrono::seconds(5)};
     window.look(0, start);

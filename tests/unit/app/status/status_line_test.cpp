@@ -42,16 +42,16 @@ class StatusLineTest : public testing::Test {
     StatusLine line_{{"receiver"}, {"servos"}};
 };
 
-TEST_F(StatusLineTest, tells_who_controls_an_output) {
+TEST_F(StatusLineTest, TellsWhoControlsAnOutput) {
     EXPECT_EQ(one(line_, kGood, kControl), "servos: under control of receiver; receiver: good");
 }
 
-TEST_F(StatusLineTest, tells_why_an_output_is_in_failsafe) {
+TEST_F(StatusLineTest, TellsWhyAnOutputIsInFailsafe) {
     EXPECT_EQ(one(line_, kSilent, kFailsafe),
               "servos: in failsafe; receiver: wire silent (no bytes any more)");
 }
 
-TEST_F(StatusLineTest, tells_why_an_output_cannot_send_whatever_its_input_says) {
+TEST_F(StatusLineTest, TellsWhyAnOutputCannotSendWhateverItsInputSays) {
     const OutputStatus gone =
         told({.stage = OutputStage::cannot_send, .obstacle = SendObstacle::device});
     EXPECT_EQ(one(line_, kGood, gone), "servos: cannot send: its device is gone; receiver: good");
@@ -60,7 +60,7 @@ TEST_F(StatusLineTest, tells_why_an_output_cannot_send_whatever_its_input_says) 
     EXPECT_EQ(one(line_, kGood, off), "servos: cannot send: the bus takes nothing; receiver: good");
 }
 
-TEST_F(StatusLineTest, tells_what_an_output_waits_for_although_its_input_is_good) {
+TEST_F(StatusLineTest, TellsWhatAnOutputWaitsForAlthoughItsInputIsGood) {
     const OutputStatus waits =
         told({.stage = OutputStage::failsafe, .awaits_release = true}, {.awaited = Awaited::line});
     one(line_, kGood, waits);
@@ -70,7 +70,7 @@ TEST_F(StatusLineTest, tells_what_an_output_waits_for_although_its_input_is_good
         "receiver: good");
 }
 
-TEST_F(StatusLineTest, tells_in_steps_for_how_long) {
+TEST_F(StatusLineTest, TellsInStepsForHowLong) {
     one(line_, kSilent, kFailsafe);
     EXPECT_EQ(one(line_, kSilent, kFailsafe, 900ms),
               "servos: in failsafe; receiver: wire silent (no bytes any more)");
@@ -81,14 +81,14 @@ TEST_F(StatusLineTest, tells_in_steps_for_how_long) {
               "receiver: wire silent (no bytes any more)");
 }
 
-TEST_F(StatusLineTest, a_new_failsafe_begins_to_count_anew) {
+TEST_F(StatusLineTest, ANewFailsafeBeginsToCountAnew) {
     one(line_, kSilent, kFailsafe);
     one(line_, kGood, kControl, 60s);
     EXPECT_EQ(one(line_, kSilent, kFailsafe, 61s),
               "servos: in failsafe; receiver: wire silent (no bytes any more)");
 }
 
-TEST(StatusLine, has_the_worst_first) {
+TEST(StatusLine, HasTheWorstFirst) {
     StatusLine line({"main", "backup"}, {"lamp", "bus", "servos"});
     EXPECT_EQ(
         line.text(std::vector{kGood, kSilent}, std::vector{kControl, kHolding, kFailsafe}, kStart),
@@ -97,7 +97,7 @@ TEST(StatusLine, has_the_worst_first) {
         "lamp: under control of main; main: good");
 }
 
-TEST(StatusLine, of_a_wire_that_cannot_mark_held_values_says_that_they_are_unmarked) {
+TEST(StatusLine, SaysThatHeldValuesAreUnmarkedOnAWireThatCannotMarkThem) {
     StatusLine line({}, {"servos"});
     OutputStatus holding = kHolding;
     holding.state.marks_frame_lost = false;
@@ -105,7 +105,7 @@ TEST(StatusLine, of_a_wire_that_cannot_mark_held_values_says_that_they_are_unmar
               "servos: holding the last values, unmarked: its protocol has no frame-lost mark");
 }
 
-TEST(StatusLine, leaves_out_what_does_not_fit_and_says_how_much) {
+TEST(StatusLine, LeavesOutWhatDoesNotFitAndSaysHowMuch) {
     const std::vector<std::string> names(64, "output");
     StatusLine line({}, names);
     const std::string text = line.text({}, std::vector(64, kFailsafe), kStart);
@@ -113,12 +113,12 @@ TEST(StatusLine, leaves_out_what_does_not_fit_and_says_how_much) {
     EXPECT_TRUE(text.ends_with("; and 45 more")) << text;
 }
 
-TEST(StatusLine, stays_one_line_whatever_the_names) {
+TEST(StatusLine, StaysOneLineWhateverTheNames) {
     StatusLine line({}, {"a\nREADY=1"});
     EXPECT_EQ(line.text({}, std::vector{kFailsafe}, kStart), "a READY=1: in failsafe");
 }
 
-TEST(StatusLine, of_nothing_but_sensor_buses_says_that_it_runs) {
+TEST(StatusLine, SaysThatItRunsWithNothingButSensorBuses) {
     StatusLine line({}, {});
     EXPECT_EQ(line.text({}, {}, kStart), "running");
 }

@@ -115,7 +115,7 @@ TEST_F(Summary, IsMadeOfNothingButAStatus) {
     }
 }
 
-TEST_F(Summary, OfAStatusWithForeignTypesDoesNotFail) {
+TEST_F(Summary, DoesNotFailForAStatusWithForeignTypes) {
     status_["inputs"] = json::parse(R"([7,null,{"name":{},"cause":1,"losses":"x"}])");
     status_["outputs"] = "x";
     status_["ports"] = json::parse(R"([{"can":{}}])");

@@ -103,7 +103,7 @@ TEST(DecodeCan, CsvKeepsTheSummaryOut) {
     EXPECT_EQ(outcome.messages.substr(0, 28), "2 frames in 4 CAN frames of ");
 }
 
-TEST(DecodeCan, OfSeveralProtocolsTheOneThatFindsTheMostReadsTheLog) {
+TEST(DecodeCan, ProtocolThatFindsTheMostReadsTheLog) {
     const Outcome outcome =
         decoded("(1.0) can0 123#05DC\n(1.0) can0 124#05DC\n(1.0) can0 124#05DC\n",
                 {use_of(kTinyCan), use_of(kOtherTinyCan)}, DecodeFormat::text);

@@ -23,7 +23,7 @@ CarryOver carry_over(std::string_view fresh, std::string_view running = kJob) {
     return plan_carry_over(loaded(running), loaded(fresh));
 }
 
-TEST(CarryOver, OfTheSameConfigurationIsAll) {
+TEST(CarryOver, IsAllForTheSameConfiguration) {
     const CarryOver plan = carry_over(kJob);
     EXPECT_EQ(plan.engine.inputs[0].from, 0U);
     EXPECT_TRUE(plan.engine.inputs[0].same_channels);
@@ -73,7 +73,7 @@ TEST(CarryOver, KeepsNoInputOnAnotherDevice) {
               std::nullopt);
 }
 
-TEST(CarryOver, OfTwoOutputsTakesTheOneOfTheNameWhateverTheOrder) {
+TEST(CarryOver, TakesTheOutputOfTheNameWhateverTheOrder) {
     const std::string second = "[output.tail]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyD\"\n";
     const std::string both = replaced(kJob, "[pipeline.main]", second + "[pipeline.main]");
     const std::string swapped = replaced(

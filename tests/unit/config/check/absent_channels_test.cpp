@@ -27,7 +27,7 @@ std::string remark(std::string_view place, int output, int input, std::string_vi
 }
 using Remarks = std::vector<std::string>;
 
-TEST(MapsOfAbsentChannels, OfAnIbusInputAreThoseBeyondFourteen) {
+TEST(MapsOfAbsentChannels, AreThoseBeyondFourteenForAnIbusInput) {
     EXPECT_EQ(remarks_on(main_job_with(10, "[pipeline.main.channels]\n3 = 17\n4 = 14")),
               Remarks{remark("11:5", 3, 17, "ibus")});
 }
@@ -58,7 +58,7 @@ TEST(MapsOfAbsentChannels, AreNoneWhereTheMapOfTheInputMakesThemOfOthers) {
               Remarks{});
 }
 
-TEST(MapsOfAbsentChannels, OfANativeInputAreThoseBeyondItsSixteen) {
+TEST(MapsOfAbsentChannels, AreThoseBeyondSixteenForANativeInput) {
     EXPECT_EQ(remarks_on("[input.receiver]\nprotocol = \"can\"\ninterface = \"can0\"\n"
                          "channels = 16\n"
                          "[output.servos]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyB\"\n"

@@ -335,7 +335,7 @@ std::string with_example(const std::string& context, std::string_view key,
     return text;
 }
 
-TEST(KeyExamples, OfEveryKeyAreValid) {
+TEST(KeyExamples, AreValidForEveryKey) {
     const test::TemporaryFolder folder;
     folder.write("rover.dbc", kMessages);
     folder.write("telemetry.dbc", kMessages);

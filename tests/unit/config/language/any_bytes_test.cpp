@@ -40,7 +40,7 @@ RC_GTEST_PROP(AnyBytes, GetAnAnswer, ()) {
     expect_an_answer(*rc::gen::container<std::string>(rc::gen::arbitrary<char>()));
 }
 
-RC_GTEST_PROP(AnyBytes, OfTomlPunctuationGetAnAnswer, ()) {
+RC_GTEST_PROP(AnyBytes, WithTomlPunctuationGetAnAnswer, ()) {
     expect_an_answer(*rc::gen::container<std::string>(
         rc::gen::elementOf(std::string("[]{}=.,\"'\n# 18abinput-_\\"))));
 }

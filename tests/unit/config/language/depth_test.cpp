@@ -74,7 +74,7 @@ INSTANTIATE_TEST_SUITE_P(
                       DeepText{"seventeen", "", "a.", 16, "a = 1\n", "1:33"}),
     [](const auto& deep) { return deep.param.name; });
 
-TEST(Depth, OfSixteenPartsIsNoMistakeOfItsOwn) {
+TEST(Depth, IsNoMistakeWithSixteenParts) {
     const auto mistakes = mistakes_in(repeated("a.", 15) + "a = 1\n");
     ASSERT_FALSE(mistakes.empty());
     EXPECT_EQ(mistakes.front().find("parts"), std::string::npos) << mistakes.front();
@@ -121,7 +121,7 @@ TEST(Depth, ThatIsAllowedFitsIntoAStackOfOneMebibyte) {
     EXPECT_FALSE(mistakes.empty());
 }
 
-TEST(Depth, OfListsAndTablesInEachOtherIsLimitedToo) {
+TEST(Depth, IsLimitedForListsAndTablesInEachOtherToo) {
     for (const char* opening : {"[", "{ a = "}) {
         const auto mistakes = mistakes_in("x = " + repeated(opening, kDeep) + "\n");
         ASSERT_FALSE(mistakes.empty());

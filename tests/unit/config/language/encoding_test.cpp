@@ -39,7 +39,7 @@ struct Wide {
     std::string bytes;
 };
 
-TEST(Encoding, OfSeveralBytesALetterIsNamedOnce) {
+TEST(Encoding, WithSeveralBytesALetterIsNamedOnce) {
     const std::vector<Wide> files{
         {"UTF-16LE", widened(main_job(), 0, 1)},
         {"UTF-16LE", "\xFF\xFE" + widened(main_job(), 0, 1)},

@@ -104,7 +104,7 @@ TEST_F(KeyFiles, ThatAreNotThereAreRefused) {
     EXPECT_FALSE(may_be_temporary());
 }
 
-TEST_F(KeyFiles, OfAnotherLengthAreRefused) {
+TEST_F(KeyFiles, AreRefusedWithAnotherLength) {
     for (const std::size_t length : {0U, 1U, 31U, 33U, 63U, 65U, 66U}) {
         write(std::string(length, 'a'));
         EXPECT_EQ(read(), std::nullopt);
@@ -127,7 +127,7 @@ TEST_F(KeyFiles, WithOtherThanHexadecimalDigitsAreRefused) {
     }
 }
 
-TEST_F(KeyFiles, OfZerosAreRefused) {
+TEST_F(KeyFiles, AreRefusedIfTheyHoldZeros) {
     for (const std::string& content : {std::string(32, '\0'), std::string(64, '0')}) {
         write(content);
         EXPECT_EQ(read(), std::nullopt);

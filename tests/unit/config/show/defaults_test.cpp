@@ -137,7 +137,7 @@ BO_ 512 Battery: 2 A
     test::TemporaryFolder folder_;
 };
 
-TEST_F(Defaults, OfEveryProtocolOnEveryMediumInBothDirectionsArePrinted) {
+TEST_F(Defaults, ArePrintedForEveryProtocolOnEveryMediumInBothDirections) {
     std::size_t count = 0;
     for (const Protocol* protocol : protocols()) {
         for (const SettingScope way : {SettingScope::input, SettingScope::output}) {
@@ -196,14 +196,14 @@ TEST_F(Defaults, ThatDependOnOtherKeysArePrinted) {
     }
 }
 
-TEST_F(Defaults, OfInputsThatListenToTheFirstSenderAreNoSender) {
+TEST_F(Defaults, NameNoSenderForInputsThatListenToTheFirst) {
     Json all = printed_here("[input.receiver]\nprotocol = \"mavlink\"\ndevice = \"/dev/ttyA\"\n" +
                             std::string(kServosTable) + std::string(kPipelineTable));
     EXPECT_FALSE(all["input"]["receiver"].contains("system"));
     EXPECT_FALSE(all["input"]["receiver"].contains("message"));
 }
 
-TEST_F(Defaults, OfMapsAreThoseOfTheManual) {
+TEST_F(Defaults, AreThoseOfTheManualForMaps) {
     Json pad = printed_here(
         "[input.receiver]\nprotocol = \"gamepad\"\n"
         "device = \"/dev/input/event0\"\n" +
@@ -219,13 +219,13 @@ TEST_F(Defaults, OfMapsAreThoseOfTheManual) {
     EXPECT_EQ(stick["buttons"]["10"], 18);
 }
 
-TEST_F(Defaults, OfTablesThatAreThereOnceArePrinted) {
+TEST_F(Defaults, ArePrintedForTablesThatAreThereOnce) {
     Json all = printed_here(main_job_and("[recorder]\ndirectory = \"/tmp\"\n"));
     expect_defaults(all["runtime"], runtime_keys(), to_all, "runtime");
     expect_defaults(all["recorder"], recorder_keys(), to_all, "recorder");
 }
 
-TEST_F(Defaults, OfPipelinesArePrinted) {
+TEST_F(Defaults, ArePrintedForPipelines) {
     Json all = printed_here(main_job_and("[pipeline.main.channels]\n1 = { from = 2, trim = 5 }\n"));
     Json& pipeline = all["pipeline"]["main"];
     const Applies without_vote = [](std::string_view key) { return key != "tolerance"; };
@@ -235,7 +235,7 @@ TEST_F(Defaults, OfPipelinesArePrinted) {
     expect_defaults(pipeline["channels"]["1"], channel_keys(), to_all, "channel");
 }
 
-TEST_F(Defaults, OfAMedianIncludeItsTolerance) {
+TEST_F(Defaults, IncludeTheToleranceOfAMedian) {
     Json all = printed_here(std::string(kReceiverTable) + std::string(kServosTable) +
                             "[input.b]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyC\"\n"
                             "[input.c]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyD\"\n"
@@ -244,7 +244,7 @@ TEST_F(Defaults, OfAMedianIncludeItsTolerance) {
     expect_defaults(all["pipeline"]["main"], pipeline_keys(), to_all, "pipeline");
 }
 
-TEST_F(Defaults, OfLinesOfEveryRoleArePrinted) {
+TEST_F(Defaults, ArePrintedForLinesOfEveryRole) {
     for (const std::string_view word : ChoiceWords<LineRole>::kAll) {
         const LineRole role = *choice_named<LineRole>(word);
         std::string lines = "[gpio.x]\nline = \"GPIO17\"\nrole = \"" + std::string(word) + "\"\n";
@@ -267,7 +267,7 @@ TEST_F(Defaults, OfLinesOfEveryRoleArePrinted) {
     }
 }
 
-TEST_F(Defaults, OfSensorBusesOfBothRolesArePrinted) {
+TEST_F(Defaults, ArePrintedForSensorBusesOfBothRoles) {
     Json all = printed_here(main_job_and(
         "[values.battery]\nconstant = 12\nunit = \"V\"\n"
         "[sensor_type.own]\nid = 81\n"
@@ -284,7 +284,7 @@ TEST_F(Defaults, OfSensorBusesOfBothRolesArePrinted) {
     expect_defaults(all["sensor_type"]["own"], sensor_type_keys(), to_all, "sensor_type");
 }
 
-TEST_F(Defaults, OfValuesOfEveryKindArePrinted) {
+TEST_F(Defaults, ArePrintedForValuesOfEveryKind) {
     Json all = printed_here(main_job_and(
         "[dronecan.node]\ninterface = \"can0\"\nnode_id = 7\n"
         "[values.dbc]\ninterface = \"can0\"\ndbc = \"rover.dbc\"\nmessage = \"Battery\"\n"

@@ -132,7 +132,7 @@ class Pages : public ::testing::Test {
     std::vector<Fence> snippets_;
 };
 
-TEST_F(Pages, show_complete_configurations_that_are_accepted) {
+TEST_F(Pages, ShowCompleteConfigurationsThatAreAccepted) {
     std::size_t found = 0;
     for (const Fence& fence : snippets_) {
         if (is_complete(fence.text)) {
@@ -143,7 +143,7 @@ TEST_F(Pages, show_complete_configurations_that_are_accepted) {
     EXPECT_GE(found, 6U);
 }
 
-TEST_F(Pages, show_parts_of_configurations_that_are_accepted_with_what_they_leave_out) {
+TEST_F(Pages, ShowPartsOfConfigurationsThatAreAcceptedWithWhatTheyLeaveOut) {
     std::size_t found = 0;
     for (const Fence& fence : snippets_) {
         if (!is_complete(fence.text)) {
@@ -156,7 +156,7 @@ TEST_F(Pages, show_parts_of_configurations_that_are_accepted_with_what_they_leav
 }
 
 /// Whoever copies one block of the page has a configuration that works.
-TEST_F(Pages, of_telemetry_show_configurations_that_are_accepted_alone) {
+TEST_F(Pages, ShowConfigurationsOfTelemetryThatAreAcceptedAlone) {
     std::size_t found = 0;
     for (const Fence& fence : snippets_) {
         if (fence.where.starts_with("telemetry.md")) {
@@ -168,7 +168,7 @@ TEST_F(Pages, of_telemetry_show_configurations_that_are_accepted_alone) {
 }
 
 /// The README leads to a first configuration of one's own: its nine lines with what it adds.
-TEST_F(Pages, the_readme_shows_one_configuration_in_pieces) {
+TEST_F(Pages, TheReadmeShowsOneConfigurationInPieces) {
     std::string text;
     for (const Fence& fence : fences_of(readme())) {
         text += fence.language == "toml" ? fence.text + "\n" : "";
@@ -179,7 +179,7 @@ TEST_F(Pages, the_readme_shows_one_configuration_in_pieces) {
     EXPECT_TRUE(has_table(text, "[pipeline.main.channels]"));
 }
 
-TEST(ReadmeSize, is_one_page) {
+TEST(ReadmeSize, IsOnePage) {
     EXPECT_LE(fs::file_size(readme()), 8000U);
 }
 

@@ -81,7 +81,7 @@ std::vector<std::string> ports_of_tables(const std::string& kind, const std::str
     return ports;
 }
 
-TEST(PortNames, OfTheFirstReceiverAreThoseOfTheReadme) {
+TEST(PortNames, AreThoseOfTheReadmeForTheFirstReceiver) {
     const std::string receiver = port_of("receiver");
     const std::string servos = port_of("servos");
     std::size_t found = 0;
@@ -96,7 +96,7 @@ TEST(PortNames, OfTheFirstReceiverAreThoseOfTheReadme) {
     EXPECT_GE(found, 25U);
 }
 
-TEST(PortNames, OfAnOutputAreThoseOfTheReadmeUnlessItSharesThePortOfAnInput) {
+TEST(PortNames, AreThoseOfTheReadmeForAnOutputUnlessItSharesThePortOfAnInput) {
     const std::string servos = port_of("servos");
     std::size_t found = 0;
     for (const auto& [where, text] : configurations()) {
@@ -110,7 +110,7 @@ TEST(PortNames, OfAnOutputAreThoseOfTheReadmeUnlessItSharesThePortOfAnInput) {
     EXPECT_GE(found, 25U);
 }
 
-TEST(PortNames, OfASensorWireAreTheSameEverywhere) {
+TEST(PortNames, AreTheSameEverywhereForASensorWire) {
     std::set<std::string> ports;
     for (const auto& [where, text] : configurations()) {
         const auto inputs = ports_of_tables("input", text);

@@ -36,7 +36,7 @@ class Absence : public testing::Test {
     Bench bench_;
 };
 
-TEST_F(Absence, shorter_than_the_timeout_leaves_control_with_the_newest_frame) {
+TEST_F(Absence, ShorterThanTheTimeoutLeavesControlWithTheNewestFrame) {
     receive_what_waited(bench_);
     bench_.loop().come_back(at(1000ms), at(1080ms));
     EXPECT_TRUE(control(at(1080ms)));
@@ -44,26 +44,26 @@ TEST_F(Absence, shorter_than_the_timeout_leaves_control_with_the_newest_frame) {
 }
 
 /// The frame may have come just after the thread stopped.
-TEST_F(Absence, makes_a_frame_that_waited_as_old_as_it_may_be) {
+TEST_F(Absence, MakesAFrameThatWaitedAsOldAsItMayBe) {
     receive_what_waited(bench_);
     bench_.loop().come_back(at(1000ms), at(1080ms));
     EXPECT_FALSE(control(at(1100ms)));
 }
 
-TEST_F(Absence, as_long_as_the_timeout_gives_no_control_to_what_waited) {
+TEST_F(Absence, AsLongAsTheTimeoutGivesNoControlToWhatWaited) {
     receive_what_waited(bench_);
     bench_.loop().come_back(at(1000ms), at(1100ms));
     EXPECT_FALSE(control(at(1100ms)));
 }
 
-TEST_F(Absence, as_long_as_the_timeout_asks_for_recover_although_values_are_still_held) {
+TEST_F(Absence, AsLongAsTheTimeoutAsksForRecoverAlthoughValuesAreStillHeld) {
     bench_.loop().come_back(at(1000ms), at(1100ms));
     bench_.ibus_run(0, at(1104ms), at(2000ms), us(1800));
     EXPECT_FALSE(control(at(1600ms)));
     EXPECT_TRUE(control(at(1620ms)));
 }
 
-TEST_F(Absence, is_proved_away_once_and_for_all) {
+TEST_F(Absence, IsProvedAwayOnceAndForAll) {
     bench_.loop().come_back(at(1000ms), at(1100ms));
     bench_.ibus_run(0, at(1104ms), at(2000ms), us(1800));
     // A pause that is bridged, as before.
@@ -73,7 +73,7 @@ TEST_F(Absence, is_proved_away_once_and_for_all) {
 
 /// A CAN socket tells the age of each frame. One that came just now proves nothing about the
 /// others.
-TEST_F(Absence, asks_for_recover_even_of_a_link_whose_latest_frame_is_young) {
+TEST_F(Absence, AsksForRecoverEvenOfALinkWhoseLatestFrameIsYoung) {
     bench_.ibus(0, at(1099ms), us(1800));
     bench_.loop().come_back(at(1000ms), at(1100ms));
     EXPECT_FALSE(control(at(1100ms)));
@@ -82,7 +82,7 @@ TEST_F(Absence, asks_for_recover_even_of_a_link_whose_latest_frame_is_young) {
 }
 
 /// Held since 945 + 100 ms, where the latest frame before the stop was lost.
-TEST(AbsenceAfterSilence, makes_held_values_no_younger_than_their_frame) {
+TEST(AbsenceAfterSilence, MakesHeldValuesNoYoungerThanTheirFrame) {
     Bench bench(list(ibus_input()),
                 list(sbus_output({0}, FailsafeSettings{.hold = 500ms, .recover = 500ms})));
     bench.ibus_run(0, at(0ms), at(950ms), us(1200));
@@ -93,14 +93,14 @@ TEST(AbsenceAfterSilence, makes_held_values_no_younger_than_their_frame) {
     EXPECT_TRUE(bench.said(at(1560ms)).failsafe);
 }
 
-TEST_F(Absence, shows_as_a_silent_wire_until_the_next_frame) {
+TEST_F(Absence, ShowsAsASilentWireUntilTheNextFrame) {
     receive_what_waited(bench_);
     bench_.loop().come_back(at(1000ms), at(1200ms));
     EXPECT_EQ(bench_.engine().inputs()[0].state().cause, LinkCause::wire_silent);
 }
 
 /// A rest of a frame whose beginning was thrown away is no frame, and neither is the reverse.
-TEST_F(Absence, lets_no_frame_go_on_across_bytes_that_were_thrown_away) {
+TEST_F(Absence, LetsNoFrameGoOnAcrossBytesThatWereThrownAway) {
     ChannelFrame frame;
     frame.set(0, us(1800));
     std::array<std::uint8_t, kLongestSerialFrame> wire{};

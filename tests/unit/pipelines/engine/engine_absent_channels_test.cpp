@@ -30,7 +30,7 @@ void fourteen(Bench& bench, Instant from, Instant until) {
     send_channels(bench, 14, from, until);
 }
 
-TEST(AbsentChannels, are_the_presets_of_the_output) {
+TEST(AbsentChannels, AreThePresetsOfTheOutput) {
     OutputSettings output = sbus_output({0});
     output.failsafe.presets[15] = us(1700);
     output.failsafe.presets[17] = us(2000);
@@ -45,7 +45,7 @@ TEST(AbsentChannels, are_the_presets_of_the_output) {
     EXPECT_TRUE(said.channel_18);
 }
 
-TEST(AbsentChannels, of_a_single_frame_do_not_move_the_throttle) {
+TEST(AbsentChannels, InASingleFrameDoNotMoveTheThrottle) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     fourteen(bench, at(0ms), at(1s));
     bench.loop().receive(input_station(0), kOneAt988, at(1s));
@@ -59,7 +59,7 @@ TEST(AbsentChannels, of_a_single_frame_do_not_move_the_throttle) {
     }
 }
 
-TEST(AbsentChannels, of_a_sender_that_sends_one_for_good_are_a_loss_and_then_presets) {
+TEST(AbsentChannels, AreALossAndThenPresetsForASenderThatSendsOneForGood) {
     InputSettings input = ibus_input();
     input.supervision.fewer_channels_after = 500ms;
     Bench bench(list(std::move(input)), list(sbus_output({0})));
@@ -76,7 +76,7 @@ TEST(AbsentChannels, of_a_sender_that_sends_one_for_good_are_a_loss_and_then_pre
     EXPECT_EQ(later.raw[3], wire_value(1500));
 }
 
-TEST(AbsentChannels, are_the_preset_of_the_channel_that_a_map_makes_from_them) {
+TEST(AbsentChannels, AreThePresetOfTheChannelThatAMapMakesFromThem) {
     OutputSettings output = sbus_output({0});
     output.channels = {{.output = 2, .source = FromChannel{16}}};
     Bench bench(list(ibus_input()), list(std::move(output)));
@@ -84,7 +84,7 @@ TEST(AbsentChannels, are_the_preset_of_the_channel_that_a_map_makes_from_them) {
     EXPECT_EQ(bench.said(at(1s)).raw[2], wire_value(988));
 }
 
-TEST(AbsentChannels, that_a_map_names_are_told_of_and_others_not) {
+TEST(AbsentChannels, ThatAMapNamesAreToldOfAndOthersNot) {
     OutputSettings output = sbus_output({0});
     output.channels = {{.output = 2, .source = FromChannel{16}},
                        {.output = 3, .source = FromChannel{0}}};

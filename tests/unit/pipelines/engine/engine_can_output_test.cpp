@@ -15,7 +15,7 @@ using namespace on_can;
 
 using namespace std::chrono_literals;
 
-TEST(EngineCanOutput, hands_its_frames_out_once) {
+TEST(EngineCanOutput, HandsItsFramesOutOnce) {
     Engine engine(list(can_input()), list(can_output()));
     engine.start(at(0ms));
     engine.poll(at(0ms));
@@ -25,7 +25,7 @@ TEST(EngineCanOutput, hands_its_frames_out_once) {
     EXPECT_TRUE(engine.output(0).take().empty());
 }
 
-TEST(EngineCanOutput, says_failsafe_in_every_frame_before_the_first_good_input) {
+TEST(EngineCanOutput, SaysFailsafeInEveryFrameBeforeTheFirstGoodInput) {
     Bench bench(list(can_output()));
     const Seen seen = bench.said(at(10ms));
     ASSERT_EQ(seen.frames.size(), 5U);
@@ -38,7 +38,7 @@ TEST(EngineCanOutput, says_failsafe_in_every_frame_before_the_first_good_input) 
     EXPECT_EQ(tail.origin.age, 0xFF) << "presets have no age";
 }
 
-TEST(EngineCanOutput, tells_the_age_that_values_have_when_it_sends_them) {
+TEST(EngineCanOutput, TellsTheAgeThatValuesHaveWhenItSendsThem) {
     Bench bench(list(can_output()));
     bench.snapshots(at(0ms), at(100ms));
     bench.snapshot(at(105ms), 900, 20ms);
@@ -47,7 +47,7 @@ TEST(EngineCanOutput, tells_the_age_that_values_have_when_it_sends_them) {
     EXPECT_EQ(parse_can_tail(bench.said(at(130ms)).frames.at(4).bytes()).origin.age, 180);
 }
 
-TEST(EngineCanOutput, held_values_are_marked_and_keep_ageing) {
+TEST(EngineCanOutput, HeldValuesAreMarkedAndKeepAgeing) {
     Bench bench(list(can_output()));
     bench.snapshots(at(0ms), at(100ms));
     const Seen held = bench.said(at(145ms + kPeriod));
@@ -58,7 +58,7 @@ TEST(EngineCanOutput, held_values_are_marked_and_keep_ageing) {
         << "as old as can be told";
 }
 
-TEST(EngineCanOutput, the_end_of_the_program_sends_three_failsafe_snapshots_and_nothing_more) {
+TEST(EngineCanOutput, TheEndOfTheProgramSendsThreeFailsafeSnapshotsAndNothingMore) {
     Bench bench(list(can_output()));
     bench.snapshots(at(0ms), at(100ms));
     bench.run_until(at(100ms));
@@ -72,7 +72,7 @@ TEST(EngineCanOutput, the_end_of_the_program_sends_three_failsafe_snapshots_and_
 }
 
 /// Outputs that send only named values are like this.
-TEST(EngineCanOutput, without_an_input_it_speaks_each_period_and_says_no_failsafe) {
+TEST(EngineCanOutput, WithoutAnInputItSpeaksEachPeriodAndSaysNoFailsafe) {
     OutputSettings alone = can_output();
     alone.selection.inputs.clear();
     Engine engine({}, list(std::move(alone)));
@@ -91,7 +91,7 @@ TEST(EngineCanOutput, without_an_input_it_speaks_each_period_and_says_no_failsaf
     EXPECT_TRUE(engine.output(0).take().empty());
 }
 
-TEST(EngineCanOutput, a_serial_and_a_can_output_of_one_pipeline_always_agree) {
+TEST(EngineCanOutput, ASerialAndACanOutputOfOnePipelineAlwaysAgree) {
     Bench bench(list(sbus_output(), can_output()));
     bench.snapshots(at(0ms), at(300ms));
     bench.marked_snapshot(at(305ms), true, false);
@@ -133,7 +133,7 @@ void foreign_frames(Bench& bench, Instant when, std::size_t output = 0,
     }
 }
 
-TEST(EngineForeignSender, two_frames_only_count) {
+TEST(EngineForeignSender, TwoFramesOnlyCount) {
     Bench bench(list(can_output()));
     bench.snapshots(at(0ms), at(200ms));
     bench.loop().receive({StationKind::output, 0}, foreign_frame(), at(205ms));
@@ -142,7 +142,7 @@ TEST(EngineForeignSender, two_frames_only_count) {
     EXPECT_EQ(bench.output_counts().foreign_frames, 2U);
 }
 
-TEST(EngineForeignSender, frames_a_second_apart_are_no_sender) {
+TEST(EngineForeignSender, FramesASecondApartAreNoSender) {
     Bench bench(list(can_output()));
     for (int i = 1; i <= 5; ++i) {
         bench.snapshots(at((i - 1) * 1s), at(i * 1s));
@@ -151,7 +151,7 @@ TEST(EngineForeignSender, frames_a_second_apart_are_no_sender) {
     EXPECT_EQ(bench.output_counts().failsafe_entries, 0U);
 }
 
-TEST(EngineForeignSender, puts_the_output_into_failsafe_with_its_next_snapshot_and_without_hold) {
+TEST(EngineForeignSender, PutsTheOutputIntoFailsafeWithItsNextSnapshotAndWithoutHold) {
     Bench bench(list(can_output()));
     bench.snapshots(at(0ms), at(200ms));
     EXPECT_FALSE(bench.said(at(200ms)).failsafe());
@@ -161,7 +161,7 @@ TEST(EngineForeignSender, puts_the_output_into_failsafe_with_its_next_snapshot_a
     EXPECT_EQ(bench.output_counts().failsafe_entries, 1U);
 }
 
-TEST(EngineForeignSender, keeps_it_there_for_a_second_after_its_last_frame) {
+TEST(EngineForeignSender, KeepsItThereForASecondAfterItsLastFrame) {
     Bench bench(list(can_output({.recover = 0ms})));
     bench.snapshots(at(0ms), at(205ms));
     foreign_frames(bench, at(205ms));
@@ -172,7 +172,7 @@ TEST(EngineForeignSender, keeps_it_there_for_a_second_after_its_last_frame) {
     EXPECT_FALSE(bench.said(at(1700ms)).failsafe());
 }
 
-TEST(EngineForeignSender, after_that_second_control_waits_for_recover) {
+TEST(EngineForeignSender, AfterThatSecondControlWaitsForRecover) {
     Bench bench(list(can_output({.recover = 500ms})));
     bench.snapshots(at(0ms), at(200ms));
     foreign_frames(bench, at(200ms));
@@ -182,7 +182,7 @@ TEST(EngineForeignSender, after_that_second_control_waits_for_recover) {
     EXPECT_EQ(bench.output_counts().recoveries, 1U);
 }
 
-TEST(EngineForeignSender, gets_the_bus_for_itself_if_the_action_is_silence) {
+TEST(EngineForeignSender, GetsTheBusForItselfIfTheActionIsSilence) {
     Bench bench(list(can_output({.action = FailsafeAction::silence})));
     bench.snapshots(at(0ms), at(200ms));
     foreign_frames(bench, at(205ms));
@@ -192,7 +192,7 @@ TEST(EngineForeignSender, gets_the_bus_for_itself_if_the_action_is_silence) {
     EXPECT_EQ(bench.seen().size(), before);
 }
 
-TEST(EngineForeignSender, with_foreign_sender_ignore_only_counts) {
+TEST(EngineForeignSender, WithForeignSenderIgnoreOnlyCounts) {
     OutputSettings settings = can_output();
     settings.yield_to_foreign_sender = false;
     Bench bench(list(std::move(settings)));
@@ -203,7 +203,7 @@ TEST(EngineForeignSender, with_foreign_sender_ignore_only_counts) {
     EXPECT_EQ(bench.output_counts().failsafe_entries, 0U);
 }
 
-TEST(EngineForeignSender, any_of_the_ids_of_the_output_and_no_other_is_meant) {
+TEST(EngineForeignSender, AnyOfTheIdsOfTheOutputAndNoOtherIsMeant) {
     Bench bench(list(can_output()));
     bench.snapshots(at(0ms), at(200ms));
     CanFrame extended = foreign_frame();
@@ -217,7 +217,7 @@ TEST(EngineForeignSender, any_of_the_ids_of_the_output_and_no_other_is_meant) {
     EXPECT_TRUE(bench.said(at(220ms)).failsafe());
 }
 
-TEST(EngineForeignSender, does_not_reach_the_other_outputs_of_the_pipeline) {
+TEST(EngineForeignSender, DoesNotReachTheOtherOutputsOfThePipeline) {
     Bench bench(list(can_output(), sbus_output()));
     bench.snapshots(at(0ms), at(200ms));
     foreign_frames(bench, at(205ms), 0);

@@ -23,7 +23,7 @@ class EngineCanInput : public testing::TestWithParam<CanChannelsFormat> {};
 
 INSTANTIATE_TEST_SUITE_P(Formats, EngineCanInput, testing::ValuesIn(kCanFormats));
 
-TEST_P(EngineCanInput, the_values_of_a_snapshot_come_out_of_a_serial_output) {
+TEST_P(EngineCanInput, TheValuesOfASnapshotComeOutOfASerialOutput) {
     Bench bench(list(sbus_output()), GetParam());
     bench.snapshots(at(0ms), at(100ms));
     const Seen seen = bench.said(at(100ms));
@@ -35,7 +35,7 @@ TEST_P(EngineCanInput, the_values_of_a_snapshot_come_out_of_a_serial_output) {
     }
 }
 
-TEST_P(EngineCanInput, silence_of_the_bus_ends_in_frame_lost_at_the_timeout_and_then_in_failsafe) {
+TEST_P(EngineCanInput, SilenceOfTheBusEndsInFrameLostAtTheTimeoutAndThenInFailsafe) {
     Bench bench(list(sbus_output()), GetParam());
     bench.snapshots(at(0ms), at(200ms));
     // The last snapshot at 195 ms: lost at 295 ms, held until 595 ms. A frame counts for 10 ms.
@@ -45,7 +45,7 @@ TEST_P(EngineCanInput, silence_of_the_bus_ends_in_frame_lost_at_the_timeout_and_
     EXPECT_TRUE(bench.said(at(590ms)).failsafe());
 }
 
-TEST_P(EngineCanInput, after_failsafe_control_returns_only_after_an_unbroken_run) {
+TEST_P(EngineCanInput, AfterFailsafeControlReturnsOnlyAfterAnUnbrokenRun) {
     Bench bench(list(sbus_output()), GetParam());
     bench.snapshots(at(0ms), at(200ms));
     // Two snapshots prove that the sender lives, so the run begins at 1025 ms.
@@ -54,7 +54,7 @@ TEST_P(EngineCanInput, after_failsafe_control_returns_only_after_an_unbroken_run
     EXPECT_FALSE(bench.said(at(1530ms)).failsafe());
 }
 
-TEST_P(EngineCanInput, a_failsafe_flag_of_the_sender_is_a_loss_at_once) {
+TEST_P(EngineCanInput, AFailsafeFlagOfTheSenderIsALossAtOnce) {
     Bench bench(list(sbus_output()), GetParam());
     bench.snapshots(at(0ms), at(200ms));
     bench.marked_snapshot(at(205ms), true, true);
@@ -64,7 +64,7 @@ TEST_P(EngineCanInput, a_failsafe_flag_of_the_sender_is_a_loss_at_once) {
     EXPECT_TRUE(bench.said(at(505ms)).failsafe());
 }
 
-TEST_P(EngineCanInput, a_failsafe_flag_behind_the_timeout_does_not_begin_the_hold_time_again) {
+TEST_P(EngineCanInput, AFailsafeFlagBehindTheTimeoutDoesNotBeginTheHoldTimeAgain) {
     Bench bench(list(sbus_output()), GetParam());
     bench.snapshots(at(0ms), at(200ms));
     // A sender whose own input was lost: it holds for 300 ms, then marks failsafe.
@@ -75,7 +75,7 @@ TEST_P(EngineCanInput, a_failsafe_flag_behind_the_timeout_does_not_begin_the_hol
     EXPECT_TRUE(bench.said(at(590ms)).failsafe()) << "195 ms, timeout 100, hold 300";
 }
 
-TEST_P(EngineCanInput, a_frame_lost_mark_of_the_sender_passes_while_the_link_is_up) {
+TEST_P(EngineCanInput, AFrameLostMarkOfTheSenderPassesWhileTheLinkIsUp) {
     Bench bench(list(sbus_output()), GetParam());
     bench.snapshots(at(0ms), at(200ms));
     bench.marked_snapshot(at(205ms), true, false);
@@ -97,14 +97,14 @@ INSTANTIATE_TEST_SUITE_P(Formats, EngineCanAge,
                                          CanChannelsFormat{.crc = CanChannelsCrc::p01},
                                          CanChannelsFormat{.fd = true}));
 
-TEST_P(EngineCanAge, values_that_were_60_ms_old_when_sent_are_lost_40_ms_after) {
+TEST_P(EngineCanAge, ValuesThatWere60MsOldWhenSentAreLost40MsAfter) {
     bench.snapshot(at(205ms), 900, 60ms);
     EXPECT_EQ(bench.input().link().lost_at(), at(245ms));
     EXPECT_FALSE(bench.said(at(230ms)).frame_lost());
     EXPECT_TRUE(bench.said(at(240ms)).frame_lost());
 }
 
-TEST(EngineCanFdAge, values_that_were_90_ms_old_when_sent_are_lost_10_ms_after) {
+TEST(EngineCanFdAge, ValuesThatWere90MsOldWhenSentAreLost10MsAfter) {
     Bench bench(list(sbus_output()), {.fd = true});
     bench.snapshots(at(0ms), at(200ms));
     bench.snapshot(at(205ms), 900, 90ms);
@@ -112,7 +112,7 @@ TEST(EngineCanFdAge, values_that_were_90_ms_old_when_sent_are_lost_10_ms_after) 
     EXPECT_FALSE(bench.input().link().alive(at(215ms)));
 }
 
-TEST(EngineCanFdAge, values_as_old_as_the_timeout_never_get_control) {
+TEST(EngineCanFdAge, ValuesAsOldAsTheTimeoutNeverGetControl) {
     Bench bench(list(sbus_output()), {.fd = true});
     for (Instant when = at(5ms); when < at(700ms); when += kPeriod) {
         bench.snapshot(when, 900, kTimeout);
@@ -122,7 +122,7 @@ TEST(EngineCanFdAge, values_as_old_as_the_timeout_never_get_control) {
     EXPECT_TRUE(std::ranges::all_of(bench.seen(), &Seen::failsafe));
 }
 
-TEST(EngineCanFdAge, a_sender_that_goes_on_with_old_values_is_lost_by_their_age) {
+TEST(EngineCanFdAge, ASenderThatGoesOnWithOldValuesIsLostByTheirAge) {
     Bench bench(list(sbus_output()), {.fd = true});
     bench.snapshots(at(0ms), at(200ms));
     // Fresh counters and checksums every 10 ms, but always the values of 205 ms.
@@ -134,7 +134,7 @@ TEST(EngineCanFdAge, a_sender_that_goes_on_with_old_values_is_lost_by_their_age)
     EXPECT_TRUE(bench.said(at(600ms)).failsafe());
 }
 
-TEST(EngineCanClassicAge, beyond_the_63_ms_that_it_tells_values_are_as_old_as_those_before) {
+TEST(EngineCanClassicAge, BeyondThe63MsThatItTellsValuesAreAsOldAsThoseBefore) {
     Bench bench(list(sbus_output()));
     bench.snapshots(at(0ms), at(200ms));
     bench.snapshot(at(205ms), 900, 60ms);
@@ -143,7 +143,7 @@ TEST(EngineCanClassicAge, beyond_the_63_ms_that_it_tells_values_are_as_old_as_th
     EXPECT_EQ(bench.input().link().lost_at(), at(145ms) + kTimeout);
 }
 
-TEST(EngineCanClassicAge, below_the_63_ms_that_it_tells_is_believed_again_after_older_values) {
+TEST(EngineCanClassicAge, BelowThe63MsThatItTellsIsBelievedAgainAfterOlderValues) {
     Bench bench(list(sbus_output()));
     bench.snapshots(at(0ms), at(200ms));
     bench.snapshot(at(245ms), 900, 100ms);
@@ -151,7 +151,7 @@ TEST(EngineCanClassicAge, below_the_63_ms_that_it_tells_is_believed_again_after_
     EXPECT_EQ(bench.input().link().lost_at(), at(245ms) + kTimeout);
 }
 
-TEST(EngineCanWithoutAge, values_count_from_their_arrival) {
+TEST(EngineCanWithoutAge, ValuesCountFromTheirArrival) {
     Bench bench(list(sbus_output()), {.channels = 16});
     bench.snapshots(at(0ms), at(200ms));
     bench.snapshot(at(205ms), 900, 90ms);
@@ -178,25 +178,25 @@ class EngineCanIds : public testing::Test {
     Bench bench{list(sbus_output())};
 };
 
-TEST_F(EngineCanIds, a_wanted_frame_counts_its_bytes_and_a_snapshot_as_one_frame) {
+TEST_F(EngineCanIds, AWantedFrameCountsItsBytesAndASnapshotAsOneFrame) {
     // Ten snapshots of five frames of eight bytes. The first two are not published.
     EXPECT_EQ(bench.input().counts().bytes, 400U);
     EXPECT_EQ(bench.input().counts().frames, 8U);
 }
 
-TEST_F(EngineCanIds, a_frame_with_an_id_that_is_not_wanted_counts_nothing) {
+TEST_F(EngineCanIds, AFrameWithAnIdThatIsNotWantedCountsNothing) {
     CanFrame frame = first_frame();
     frame.id = 0x305;
     expect_nothing_counted_for(frame);
 }
 
-TEST_F(EngineCanIds, an_extended_id_of_the_same_number_is_another_id) {
+TEST_F(EngineCanIds, AnExtendedIdOfTheSameNumberIsAnotherId) {
     CanFrame frame = first_frame();
     frame.extended = true;
     expect_nothing_counted_for(frame);
 }
 
-TEST_F(EngineCanIds, a_wanted_frame_that_is_damaged_is_counted_by_its_cause_and_gives_no_values) {
+TEST_F(EngineCanIds, AWantedFrameThatIsDamagedIsCountedByItsCauseAndGivesNoValues) {
     CanFrame frame = first_frame();
     frame.data[3] ^= 0x10;
     const InputCounts before = bench.input().counts();
@@ -209,7 +209,7 @@ TEST_F(EngineCanIds, a_wanted_frame_that_is_damaged_is_counted_by_its_cause_and_
     EXPECT_EQ(cause->count, 1U);
 }
 
-TEST_F(EngineCanIds, inputs_tell_what_they_want_and_outputs_what_they_send) {
+TEST_F(EngineCanIds, InputsTellWhatTheyWantAndOutputsWhatTheySend) {
     Bench both(list(can_output(), sbus_output()), {.base_id = 0x300, .fd = true});
     ASSERT_EQ(both.input().wanted_ids().size(), 1U);
     EXPECT_EQ(both.input().wanted_ids()[0].id, 0x305U);

@@ -131,7 +131,7 @@ TEST(ForceFailsafe, IsInForceWhileItsLineCannotBeRead) {
     EXPECT_TRUE(bench.said(at(311ms)).failsafe);
 }
 
-TEST(ForceFailsafe, OfTwoLinesIsInForceWhileEitherIs) {
+TEST(ForceFailsafe, IsInForceWhileEitherOfTwoLinesIs) {
     Bench bench = one_output({line(LineRole::force_failsafe), line(LineRole::force_failsafe)}, {});
     bench.engine().set_lines(only(kFirst | kSecond), at(0ms));
     bench.engine().set_lines(only(kSecond), at(1ms));
@@ -166,7 +166,7 @@ TEST(SelectLine, PicksItsInputWhileItIsActive) {
     EXPECT_EQ(bench.said(at(911ms)).raw[0], raw_of(1200));
 }
 
-TEST(SelectLine, OfSeveralActiveOnesTheFirstCounts) {
+TEST(SelectLine, FirstOfSeveralActiveOnesCounts) {
     Bench bench = two_receivers({select_line(1), select_line(0)});
     for (Instant now = at(5ms); now < at(800ms); now += 8ms) {
         bench.ibus(0, now, us(1200));

@@ -49,13 +49,13 @@ class Receivers {
     Instant next_ = at(1ms);
 };
 
-TEST(Vote, of_four_needs_more_than_two_that_agree_to_make_the_others_liars) {
+TEST(Vote, AmongFourNeedsMoreThanTwoThatAgreeToMakeTheOthersLiars) {
     Receivers four(4);
     four.run(5s, {1400, 1520, 1580, 1900});  // the median is 1550
     EXPECT_EQ(four.selector().outvoted_count(), 0U);
 }
 
-TEST(Vote, is_not_given_to_old_values_beside_fresh_ones) {
+TEST(Vote, IsNotGivenToOldValuesBesideFreshOnes) {
     Receivers three(3);
     three.run(500ms, {1100, 1600, 1500});
     EXPECT_EQ(three.said(500ms).raw[0], raw_of(1500));
@@ -64,7 +64,7 @@ TEST(Vote, is_not_given_to_old_values_beside_fresh_ones) {
     EXPECT_FALSE(three.said(560ms).frame_lost);
 }
 
-TEST(Vote, is_not_lost_by_short_disagreements_however_many) {
+TEST(Vote, IsNotLostByShortDisagreementsHoweverMany) {
     Receivers three(3);
     Duration until = 1s;
     three.run(until, {1500, 1500, 1500});
@@ -75,7 +75,7 @@ TEST(Vote, is_not_lost_by_short_disagreements_however_many) {
     EXPECT_EQ(three.selector().outvoted_count(), 0U);
 }
 
-TEST(Vote, comes_back_only_after_half_a_second_of_agreement) {
+TEST(Vote, ComesBackOnlyAfterHalfASecondOfAgreement) {
     Receivers three(3);
     three.run(1s, {1500, 1500, 1500});
     three.run(2s, {1500, 1500, 1700});
@@ -86,7 +86,7 @@ TEST(Vote, comes_back_only_after_half_a_second_of_agreement) {
     EXPECT_FALSE(three.selector().outvoted(2));
 }
 
-TEST(Handover, forgets_the_position_of_a_channel_that_was_lost) {
+TEST(Handover, ForgetsThePositionOfAChannelThatWasLost) {
     OutputSettings output = sbus_output({0, 1});
     output.selection.handover = HandoverSettings{.input = 0, .channel = 2};
     Bench bench(list(ibus_input(), ibus_input()), list(std::move(output)));

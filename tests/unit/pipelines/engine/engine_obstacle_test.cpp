@@ -32,38 +32,38 @@ class Obstacle : public testing::Test {
     Bench bench_;
 };
 
-TEST_F(Obstacle, of_a_device_that_is_gone_counts_at_once) {
+TEST_F(Obstacle, CountsAtOnceForADeviceThatIsGone) {
     output().dropped_lost();
     EXPECT_EQ(output().state(at(1000ms)).stage, OutputStage::cannot_send);
     EXPECT_EQ(output().state(at(1000ms)).obstacle, SendObstacle::device);
 }
 
-TEST_F(Obstacle, of_a_bus_that_takes_nothing_counts_at_once) {
+TEST_F(Obstacle, CountsAtOnceForABusThatTakesNothing) {
     output().dropped_unavailable();
     EXPECT_EQ(output().state(at(1000ms)).stage, OutputStage::cannot_send);
     EXPECT_EQ(output().state(at(1000ms)).obstacle, SendObstacle::bus);
 }
 
-TEST_F(Obstacle, names_no_input_as_in_control) {
+TEST_F(Obstacle, NamesNoInputAsInControl) {
     output().dropped_unavailable();
     EXPECT_EQ(output().state(at(1000ms)).input, kNoInput);
 }
 
-TEST_F(Obstacle, is_not_a_single_frame_that_finds_the_one_before_still_waiting) {
+TEST_F(Obstacle, IsNotASingleFrameThatFindsTheOneBeforeStillWaiting) {
     for (int frame = 0; frame < 9; ++frame) {
         output().dropped_busy();
     }
     EXPECT_EQ(output().stage(), OutputStage::control);
 }
 
-TEST_F(Obstacle, is_ten_such_frames_in_a_row) {
+TEST_F(Obstacle, IsTenSuchFramesInARow) {
     for (int frame = 0; frame < 10; ++frame) {
         output().dropped_busy();
     }
     EXPECT_EQ(output().state(at(1000ms)).obstacle, SendObstacle::busy);
 }
 
-TEST_F(Obstacle, is_not_ten_such_frames_with_one_between_that_left) {
+TEST_F(Obstacle, IsNotTenSuchFramesWithOneBetweenThatLeft) {
     for (int frame = 0; frame < 30; ++frame) {
         output().dropped_busy();
         if (frame % 9 == 8) {
@@ -73,13 +73,13 @@ TEST_F(Obstacle, is_not_ten_such_frames_with_one_between_that_left) {
     EXPECT_EQ(output().stage(), OutputStage::control);
 }
 
-TEST_F(Obstacle, ends_with_the_first_frame_that_leaves) {
+TEST_F(Obstacle, EndsWithTheFirstFrameThatLeaves) {
     output().dropped_unavailable();
     output().written();
     EXPECT_EQ(output().stage(), OutputStage::control);
 }
 
-TEST_F(Obstacle, of_a_device_ends_with_the_device_and_not_with_another_obstacle) {
+TEST_F(Obstacle, EndsWithItsDeviceAndNotWithAnotherObstacle) {
     output().set_device_present(false);
     output().set_device_present(true);
     EXPECT_EQ(output().stage(), OutputStage::control);
@@ -88,7 +88,7 @@ TEST_F(Obstacle, of_a_device_ends_with_the_device_and_not_with_another_obstacle)
     EXPECT_EQ(output().stage(), OutputStage::cannot_send);
 }
 
-TEST_F(Obstacle, turns_the_lamp_off_the_alarm_on_and_the_switch_off) {
+TEST_F(Obstacle, TurnsTheLampOffTheAlarmOnAndTheSwitchOff) {
     ASSERT_TRUE(shown(0) && !shown(1) && shown(2));
     output().dropped_unavailable();
     EXPECT_FALSE(shown(0));
@@ -96,7 +96,7 @@ TEST_F(Obstacle, turns_the_lamp_off_the_alarm_on_and_the_switch_off) {
     EXPECT_FALSE(shown(2));
 }
 
-TEST_F(Obstacle, is_told_as_a_value_and_as_failsafe) {
+TEST_F(Obstacle, IsToldAsAValueAndAsFailsafe) {
     EXPECT_EQ(fact(OutputFact::cannot_send), 0);
     EXPECT_EQ(fact(OutputFact::failsafe), 0);
     output().dropped_unavailable();
@@ -112,13 +112,13 @@ class ObstacleOfASilentOne : public Obstacle {
 };
 
 /// Nobody knows whether the bus would accept a frame again.
-TEST_F(ObstacleOfASilentOne, lasts_no_longer_than_there_is_something_to_send) {
+TEST_F(ObstacleOfASilentOne, LastsNoLongerThanThereIsSomethingToSend) {
     output().dropped_unavailable();
     bench_.loop().run_until(at(2100ms));
     EXPECT_EQ(output().stage(), OutputStage::failsafe);
 }
 
-TEST_F(ObstacleOfASilentOne, stays_while_its_device_is_gone) {
+TEST_F(ObstacleOfASilentOne, StaysWhileItsDeviceIsGone) {
     output().set_device_present(false);
     bench_.loop().run_until(at(2100ms));
     EXPECT_EQ(output().stage(), OutputStage::cannot_send);

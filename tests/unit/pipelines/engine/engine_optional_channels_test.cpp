@@ -31,7 +31,7 @@ struct Counted final : StationObserver {
     std::uint16_t second = 0;
 };
 
-TEST(OptionalChannel, that_comes_and_goes_is_the_preset_and_no_loss) {
+TEST(OptionalChannel, ThatComesAndGoesIsThePresetAndNoLoss) {
     for (const Duration each : {100ms, 300ms, 1000ms, 2000ms}) {
         auto decoder = std::make_unique<DbcDecoder>(
             dbc_map(dbc_settings(kDbc, kSignals), SettingScope::input));

@@ -33,7 +33,7 @@ void reload(Bench& bench, Engine& next, Duration when, const OutputCarry& carry 
     bench.loop().go_on_with(next, nullptr, at(when));
 }
 
-TEST(ReloadOfAnOutput, leaves_the_recovery_that_is_due_after_a_forced_failsafe) {
+TEST(ReloadOfAnOutput, LeavesTheRecoveryThatIsDueAfterAForcedFailsafe) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     bench.ibus_run(0, at(1ms), at(1s), us(1100));
     bench.said(at(1s));
@@ -70,17 +70,17 @@ int after_a_reload_with(std::optional<double> us_per_second) {
     return bench.said(at(2100ms)).raw[0];
 }
 
-TEST(ReloadOfAnOutput, gives_a_changeover_that_is_under_way_its_new_rate) {
+TEST(ReloadOfAnOutput, GivesAChangeoverThatIsUnderWayItsNewRate) {
     const int at_1000_us_per_second = after_a_reload_with(1000);
     EXPECT_GT(at_1000_us_per_second, raw_of(1090));
     EXPECT_LT(at_1000_us_per_second, raw_of(1115));
 }
 
-TEST(ReloadOfAnOutput, ends_a_changeover_that_the_configuration_has_no_more) {
+TEST(ReloadOfAnOutput, EndsAChangeoverThatTheConfigurationHasNoMore) {
     EXPECT_EQ(after_a_reload_with(std::nullopt), raw_of(2000));
 }
 
-TEST(ReloadOfAnOutput, takes_values_that_are_held_through_the_new_map) {
+TEST(ReloadOfAnOutput, TakesValuesThatAreHeldThroughTheNewMap) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     bench.ibus_run(0, at(1ms), at(500ms), us(1100));
     OutputSettings reversed = sbus_output({0});
@@ -92,7 +92,7 @@ TEST(ReloadOfAnOutput, takes_values_that_are_held_through_the_new_map) {
     EXPECT_EQ(held.raw[0], raw_of(1900));
 }
 
-TEST(ReloadOfAnOutput, begins_a_new_slew_where_it_stands_although_the_map_before_said_otherwise) {
+TEST(ReloadOfAnOutput, BeginsANewSlewWhereItStandsAlthoughTheMapBeforeSaidOtherwise) {
     OutputSettings reversed = sbus_output({0});
     reversed.channels = {{.output = 0, .source = FromChannel{0}, .reverse = true}};
     Bench bench(list(ibus_input()), list(std::move(reversed)));
@@ -105,7 +105,7 @@ TEST(ReloadOfAnOutput, begins_a_new_slew_where_it_stands_although_the_map_before
     EXPECT_EQ(bench.said(at(510ms)).raw[0], raw_of(1990)) << "10 ms after it said 2000 us";
 }
 
-TEST(ReloadOfAnOutput, in_failsafe_goes_to_other_presets_as_slowly_as_it_is_to) {
+TEST(ReloadOfAnOutput, InFailsafeGoesToOtherPresetsAsSlowlyAsItIsTo) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     EXPECT_EQ(bench.said(at(500ms)).raw[0], raw_of(1500));
     OutputSettings other = sbus_output({0});
@@ -119,7 +119,7 @@ TEST(ReloadOfAnOutput, in_failsafe_goes_to_other_presets_as_slowly_as_it_is_to) 
     EXPECT_EQ(bench.said(at(1500ms)).raw[0], raw_of(2000));
 }
 
-TEST(ReloadOfAnInput, begins_a_new_slew_of_its_own_where_it_stands) {
+TEST(ReloadOfAnInput, BeginsANewSlewOfItsOwnWhereItStands) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     bench.ibus_run(0, at(1ms), at(500ms), us(1000));
     InputSettings slow = ibus_input();
@@ -131,7 +131,7 @@ TEST(ReloadOfAnInput, begins_a_new_slew_of_its_own_where_it_stands) {
     EXPECT_EQ(bench.said(at(520ms)).raw[0], raw_of(1020)) << "20 ms on its way to 2000 us";
 }
 
-TEST(ReloadOfAnOutput, keeps_what_buttons_say_until_they_say_otherwise) {
+TEST(ReloadOfAnOutput, KeepsWhatButtonsSayUntilTheySayOtherwise) {
     const auto with_button = [](int trim) {
         OutputSettings output = sbus_output({0});
         output.channels = {{.output = 4, .source = FromLine{0}, .trim = us(trim)}};
@@ -147,7 +147,7 @@ TEST(ReloadOfAnOutput, keeps_what_buttons_say_until_they_say_otherwise) {
     EXPECT_EQ(bench.said(at(510ms)).raw[4], raw_of(1900));
 }
 
-TEST(ReloadOfAnOutput, uses_an_outvoted_input_again_where_nothing_is_voted_on_any_more) {
+TEST(ReloadOfAnOutput, UsesAnOutvotedInputAgainWhereNothingIsVotedOnAnyMore) {
     OutputSettings voting = sbus_output({0, 1, 2});
     voting.selection.mode = SelectionMode::median;
     Bench bench(list(ibus_input(), ibus_input(), ibus_input()), list(std::move(voting)));
@@ -164,7 +164,7 @@ TEST(ReloadOfAnOutput, uses_an_outvoted_input_again_where_nothing_is_voted_on_an
     EXPECT_EQ(bench.said(at(3s)).raw[0], raw_of(1900));
 }
 
-TEST(ReloadOfAnOutput, reads_the_handover_channel_anew_where_the_inputs_to_pick_are_others) {
+TEST(ReloadOfAnOutput, ReadsTheHandoverChannelAnewWhereTheInputsToPickAreOthers) {
     const auto picking = [](std::vector<std::size_t> inputs) {
         OutputSettings output = sbus_output(std::move(inputs));
         output.selection.handover = HandoverSettings{.input = 0, .channel = 2};

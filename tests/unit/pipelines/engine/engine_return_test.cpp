@@ -6,7 +6,7 @@
 namespace tribus::test::serial::engine_return_test {
 namespace {
 
-TEST(ControlThatReturns, leads_a_channel_with_a_slew_from_its_preset) {
+TEST(ControlThatReturns, LeadsAChannelWithASlewFromItsPreset) {
     OutputSettings output = sbus_output({0}, {.hold = 0ms, .recover = 0ms});
     output.channels = {{.output = 0, .source = FromChannel{0}, .slew_us_per_second = 1000}};
     Bench bench(list(ibus_input()), list(std::move(output)));
@@ -16,7 +16,7 @@ TEST(ControlThatReturns, leads_a_channel_with_a_slew_from_its_preset) {
     EXPECT_EQ(bench.said(at(1510ms)).raw[0], raw_of(1510)) << "10 us in 10 ms";
 }
 
-TEST(ControlThatReturns, after_silence_says_at_once_what_the_sticks_say) {
+TEST(ControlThatReturns, AfterSilenceSaysAtOnceWhatTheSticksSay) {
     Bench bench(list(ibus_input()), list(sbus_output({0}, {.hold = 0ms,
                                                            .action = FailsafeAction::silence,
                                                            .slew_us_per_second = 100,
@@ -26,7 +26,7 @@ TEST(ControlThatReturns, after_silence_says_at_once_what_the_sticks_say) {
     EXPECT_EQ(bench.said(at(1510ms)).raw[0], raw_of(1000));
 }
 
-TEST(ReleaseWhen, is_waited_for_no_longer_where_the_input_is_lost_before_it_comes) {
+TEST(ReleaseWhen, IsWaitedForNoLongerWhereTheInputIsLostBeforeItComes) {
     Bench bench(
         list(ibus_input()),
         list(sbus_output({0}, {.release_when = ValueRule{.channel = 2, .below = us(1050)}})));
@@ -37,7 +37,7 @@ TEST(ReleaseWhen, is_waited_for_no_longer_where_the_input_is_lost_before_it_come
     EXPECT_FALSE(bench.engine().outputs()[0].state(at(1s)).awaits_release);
 }
 
-TEST(ReleaseWhen, is_not_asked_for_after_a_loss_within_hold) {
+TEST(ReleaseWhen, IsNotAskedForAfterALossWithinHold) {
     Bench bench(
         list(ibus_input()),
         list(sbus_output({0}, {.release_when = ValueRule{.channel = 0, .below = us(1050)}})));
@@ -48,7 +48,7 @@ TEST(ReleaseWhen, is_not_asked_for_after_a_loss_within_hold) {
     EXPECT_FALSE(bench.said(at(1300ms)).frame_lost);
 }
 
-TEST(StandbyInput, does_not_set_the_beat_of_a_locked_grid) {
+TEST(StandbyInput, DoesNotSetTheBeatOfALockedGrid) {
     OutputSettings output = sbus_output({0, 1});
     output.schedule = {.kind = ScheduleKind::grid, .period = 14ms, .phase = Phase::locked};
     Bench bench(list(ibus_input(), ibus_input()), list(std::move(output)));
@@ -62,7 +62,7 @@ TEST(StandbyInput, does_not_set_the_beat_of_a_locked_grid) {
     EXPECT_LT(bench.seen().back().at - latest, 1ms);
 }
 
-TEST(SelectionFreshest, prefers_the_first_of_two_that_are_equally_fresh) {
+TEST(SelectionFreshest, PrefersTheFirstOfTwoThatAreEquallyFresh) {
     OutputSettings output = sbus_output({0, 1});
     output.selection.mode = SelectionMode::freshest;
     Bench bench(list(ibus_input(), ibus_input()), list(std::move(output)));

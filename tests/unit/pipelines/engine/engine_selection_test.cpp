@@ -47,7 +47,7 @@ int first_channel(Bench& bench, Duration when) {
     return 880 + bench.said(at(when)).raw[0] * 5 / 8;
 }
 
-TEST(SelectionSticky, stays_with_the_backup_after_the_main_input_is_back) {
+TEST(SelectionSticky, StaysWithTheBackupAfterTheMainInputIsBack) {
     Bench bench(list(ibus_input(), ibus_input()), list(output_with(SelectionMode::sticky, 2)));
     Inputs inputs(bench);
     inputs.run(500ms, {1100, 1900});
@@ -60,7 +60,7 @@ TEST(SelectionSticky, stays_with_the_backup_after_the_main_input_is_back) {
     EXPECT_EQ(first_channel(bench, 6s), 1100);
 }
 
-TEST(SelectionFreshest, takes_the_youngest_values_whoever_sends_them) {
+TEST(SelectionFreshest, TakesTheYoungestValuesWhoeverSendsThem) {
     Bench bench(list(ibus_input(), ibus_input()), list(output_with(SelectionMode::freshest, 2)));
     bench.ibus(0, at(1ms), us(1100));
     bench.ibus(1, at(2ms), us(1900));
@@ -69,7 +69,7 @@ TEST(SelectionFreshest, takes_the_youngest_values_whoever_sends_them) {
     EXPECT_EQ(first_channel(bench, 20ms), 1100);
 }
 
-TEST(SelectionFreshest, never_changes_over_so_that_no_movement_is_slowed) {
+TEST(SelectionFreshest, NeverChangesOverSoThatNoMovementIsSlowed) {
     OutputSettings output = output_with(SelectionMode::freshest, 2);
     output.selection.changeover_us_per_second = 100;
     Bench bench(list(ibus_input(), ibus_input()), list(std::move(output)));
@@ -79,7 +79,7 @@ TEST(SelectionFreshest, never_changes_over_so_that_no_movement_is_slowed) {
     EXPECT_EQ(first_channel(bench, 20ms), 1900);
 }
 
-TEST(SelectionFreshest, a_missing_frame_costs_nothing_while_another_input_has_one) {
+TEST(SelectionFreshest, AMissingFrameCostsNothingWhileAnotherInputHasOne) {
     Bench bench(list(ibus_input(), ibus_input()), list(output_with(SelectionMode::freshest, 2)));
     Inputs inputs(bench);
     inputs.run(500ms, {1100, 1100});
@@ -87,7 +87,7 @@ TEST(SelectionFreshest, a_missing_frame_costs_nothing_while_another_input_has_on
     EXPECT_EQ(first_channel(bench, 520ms), 1200);
 }
 
-TEST(SelectionMedian, a_single_liar_changes_nothing) {
+TEST(SelectionMedian, ASingleLiarChangesNothing) {
     Bench bench(list(ibus_input(), ibus_input(), ibus_input()),
                 list(output_with(SelectionMode::median, 3)));
     Inputs inputs(bench);
@@ -99,7 +99,7 @@ TEST(SelectionMedian, a_single_liar_changes_nothing) {
     EXPECT_EQ(first_channel(bench, 700ms), 1500);
 }
 
-TEST(SelectionMedian, of_two_that_agree_is_between_them_and_of_two_that_do_not_the_preferred) {
+TEST(SelectionMedian, IsBetweenTwoThatAgreeAndThePreferredOfTwoThatDoNot) {
     Bench bench(list(ibus_input(), ibus_input(), ibus_input()),
                 list(output_with(SelectionMode::median, 3)));
     Inputs inputs(bench);
@@ -109,7 +109,7 @@ TEST(SelectionMedian, of_two_that_agree_is_between_them_and_of_two_that_do_not_t
     EXPECT_EQ(first_channel(bench, 600ms), 1500);
 }
 
-TEST(SelectionMedian, reports_a_liar_after_half_a_second_and_takes_it_back_when_it_agrees) {
+TEST(SelectionMedian, ReportsALiarAfterHalfASecondAndTakesItBackWhenItAgrees) {
     Bench bench(list(ibus_input(), ibus_input(), ibus_input()),
                 list(output_with(SelectionMode::median, 3)));
     const InputSelector& selector = bench.engine().outputs()[0].selector();
@@ -127,7 +127,7 @@ TEST(SelectionMedian, reports_a_liar_after_half_a_second_and_takes_it_back_when_
     EXPECT_FALSE(selector.outvoted(2));
 }
 
-TEST(SelectionMedian, of_three_that_all_differ_nobody_is_a_liar) {
+TEST(SelectionMedian, CallsNobodyALiarOfThreeThatAllDiffer) {
     // For example, each receiver sends its own signal strength on a channel.
     Bench bench(list(ibus_input(), ibus_input(), ibus_input()),
                 list(output_with(SelectionMode::median, 3)));
@@ -137,7 +137,7 @@ TEST(SelectionMedian, of_three_that_all_differ_nobody_is_a_liar) {
     EXPECT_EQ(bench.engine().outputs()[0].selector().outvoted_count(), 0U);
 }
 
-TEST(SelectionMedian, where_each_of_three_agrees_with_another_on_another_channel_none_is_a_liar) {
+TEST(SelectionMedian, WhereEachOfThreeAgreesWithAnotherOnAnotherChannelNoneIsALiar) {
     Bench bench(list(ibus_input(), ibus_input(), ibus_input()),
                 list(output_with(SelectionMode::median, 3)));
     for (Instant when = at(1ms); when < at(3s); when += 8ms) {
@@ -153,7 +153,7 @@ TEST(SelectionMedian, where_each_of_three_agrees_with_another_on_another_channel
     EXPECT_EQ(bench.engine().outputs()[0].selector().outvoted_count(), 0U);
 }
 
-TEST(SelectionMedian, a_liar_that_is_left_alone_gets_no_control) {
+TEST(SelectionMedian, ALiarThatIsLeftAloneGetsNoControl) {
     Bench bench(list(ibus_input(), ibus_input(), ibus_input()),
                 list(output_with(SelectionMode::median, 3)));
     Inputs inputs(bench);
@@ -162,7 +162,7 @@ TEST(SelectionMedian, a_liar_that_is_left_alone_gets_no_control) {
     EXPECT_TRUE(bench.said(at(4s)).failsafe);
 }
 
-TEST(SelectionMedian, a_channel_that_only_some_have_is_the_median_of_those) {
+TEST(SelectionMedian, AChannelThatOnlySomeHaveIsTheMedianOfThose) {
     Bench bench(list(ibus_input(), sbus_input(), sbus_input()),
                 list(output_with(SelectionMode::median, 3)));
     for (Instant when = at(1ms); when < at(2s); when += 8ms) {
@@ -179,7 +179,7 @@ TEST(SelectionMedian, a_channel_that_only_some_have_is_the_median_of_those) {
     EXPECT_EQ(bench.said(at(2s)).raw[15], raw_of(1700));
 }
 
-TEST(Handover, a_channel_of_an_input_picks_the_source_evenly_over_its_travel) {
+TEST(Handover, AChannelOfAnInputPicksTheSourceEvenlyOverItsTravel) {
     OutputSettings output = output_with(SelectionMode::priority, 3);
     output.selection.handover = HandoverSettings{.input = 0, .channel = 2};
     Bench bench(list(ibus_input(), ibus_input(), ibus_input()), list(std::move(output)));
@@ -197,7 +197,7 @@ TEST(Handover, a_channel_of_an_input_picks_the_source_evenly_over_its_travel) {
     EXPECT_EQ(picked_at(301ms, 900), 1100);
 }
 
-TEST(Handover, a_stick_at_a_boundary_does_not_flutter) {
+TEST(Handover, AStickAtABoundaryDoesNotFlutter) {
     OutputSettings output = output_with(SelectionMode::priority, 2);
     output.selection.handover = HandoverSettings{.input = 0, .channel = 2};
     Bench bench(list(ibus_input(), ibus_input()), list(std::move(output)));
@@ -214,7 +214,7 @@ TEST(Handover, a_stick_at_a_boundary_does_not_flutter) {
     EXPECT_EQ(changes, 0);
 }
 
-TEST(Handover, to_an_input_that_is_lost_does_not_happen) {
+TEST(Handover, ToAnInputThatIsLostDoesNotHappen) {
     OutputSettings output = output_with(SelectionMode::priority, 2);
     output.selection.handover = HandoverSettings{.input = 0, .channel = 2};
     Bench bench(list(ibus_input(), ibus_input()), list(std::move(output)));
@@ -224,7 +224,7 @@ TEST(Handover, to_an_input_that_is_lost_does_not_happen) {
     EXPECT_EQ(first_channel(bench, 1s), 1100);
 }
 
-TEST(Handover, of_a_median_leaves_the_first_position_to_the_vote) {
+TEST(Handover, LeavesTheFirstPositionToTheVoteWithAMedian) {
     OutputSettings output = output_with(SelectionMode::median, 3);
     output.selection.handover = HandoverSettings{.input = 0, .channel = 2};
     Bench bench(list(ibus_input(), ibus_input(), ibus_input()), list(std::move(output)));
@@ -242,7 +242,7 @@ TEST(Handover, of_a_median_leaves_the_first_position_to_the_vote) {
     EXPECT_EQ(picked_at(301ms, 2000), 1500);
 }
 
-TEST(Handover, to_a_liar_ends_in_failsafe_when_nobody_picks_it_any_more) {
+TEST(Handover, ToALiarEndsInFailsafeWhenNobodyPicksItAnyMore) {
     // The liar still sends, but the loss of the inputs that outvoted it counts.
     OutputSettings output = output_with(SelectionMode::median, 3);
     output.selection.handover = HandoverSettings{.input = 0, .channel = 2};
@@ -263,7 +263,7 @@ TEST(Handover, to_a_liar_ends_in_failsafe_when_nobody_picks_it_any_more) {
     EXPECT_TRUE(bench.said(at(5s)).failsafe);
 }
 
-TEST(Changeover, happens_at_once_where_nobody_asked_for_more) {
+TEST(Changeover, HappensAtOnceWhereNobodyAskedForMore) {
     Bench bench(list(ibus_input(), ibus_input()), list(output_with(SelectionMode::priority, 2)));
     Inputs inputs(bench);
     inputs.run(500ms, {1000, 2000});
@@ -274,7 +274,7 @@ TEST(Changeover, happens_at_once_where_nobody_asked_for_more) {
     }
 }
 
-TEST(Changeover, with_a_slew_takes_no_larger_step_than_that_and_arrives) {
+TEST(Changeover, WithASlewTakesNoLargerStepThanThatAndArrives) {
     OutputSettings output = output_with(SelectionMode::priority, 2);
     output.selection.changeover_us_per_second = 2000;
     Bench bench(list(ibus_input(), ibus_input()), list(std::move(output)));
@@ -290,7 +290,7 @@ TEST(Changeover, with_a_slew_takes_no_larger_step_than_that_and_arrives) {
     EXPECT_EQ(largest, 32) << "20 us in 10 ms are 32 raw steps";
 }
 
-TEST(Changeover, a_stick_that_moves_afterwards_is_not_slowed) {
+TEST(Changeover, AStickThatMovesAfterwardsIsNotSlowed) {
     OutputSettings output = output_with(SelectionMode::priority, 2);
     output.selection.changeover_us_per_second = 2000;
     Bench bench(list(ibus_input(), ibus_input()), list(std::move(output)));
@@ -301,7 +301,7 @@ TEST(Changeover, a_stick_that_moves_afterwards_is_not_slowed) {
     EXPECT_EQ(first_channel(bench, 1220ms), 2000);
 }
 
-TEST(FailsafeSlew, leads_into_the_presets_and_back) {
+TEST(FailsafeSlew, LeadsIntoThePresetsAndBack) {
     OutputSettings output = sbus_output({0}, {.slew_us_per_second = 1000});
     Bench bench(list(ibus_input()), list(std::move(output)));
     Inputs inputs(bench);
@@ -318,7 +318,7 @@ TEST(FailsafeSlew, leads_into_the_presets_and_back) {
     }
 }
 
-TEST(ReleaseWhen, keeps_the_output_in_failsafe_until_the_throttle_is_low) {
+TEST(ReleaseWhen, KeepsTheOutputInFailsafeUntilTheThrottleIsLow) {
     OutputSettings output =
         sbus_output({0}, {.release_when = ValueRule{.channel = 2, .below = us(1050)}});
     Bench bench(list(ibus_input()), list(std::move(output)));
@@ -340,7 +340,7 @@ TEST(ReleaseWhen, keeps_the_output_in_failsafe_until_the_throttle_is_low) {
     EXPECT_FALSE(bench.said(at(4100ms)).failsafe);
 }
 
-TEST(PowerOnGuard, gives_control_for_the_first_time_after_an_unbroken_run) {
+TEST(PowerOnGuard, GivesControlForTheFirstTimeAfterAnUnbrokenRun) {
     Bench bench(list(ibus_input()), list(sbus_output({0}, {.power_on = 2s})));
     bench.ibus_run(0, at(1ms), at(1500ms), us(1100));
     bench.ibus_run(0, at(1700ms), at(5s), us(1100));  // a pause breaks the run
@@ -349,7 +349,7 @@ TEST(PowerOnGuard, gives_control_for_the_first_time_after_an_unbroken_run) {
     EXPECT_FALSE(bench.said(at(3720ms)).failsafe);
 }
 
-TEST(ForcedFailsafe, ends_control_at_once_and_gives_it_back_after_recovery) {
+TEST(ForcedFailsafe, EndsControlAtOnceAndGivesItBackAfterRecovery) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     bench.ibus_run(0, at(1ms), at(1s), us(1100));
     bench.said(at(995ms));

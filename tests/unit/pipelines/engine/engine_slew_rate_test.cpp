@@ -121,26 +121,26 @@ void expect_exact(Limit limit, bool absent) {
     }
 }
 
-TEST(RateOfASlew, in_the_map_of_an_output_is_exact) {
+TEST(RateOfASlew, InTheMapOfAnOutputIsExact) {
     expect_exact(Limit::output_map, false);
 }
 
 /// SBUS needs a value for channels 15 and 16, which the presets give.
-TEST(RateOfASlew, in_the_map_of_an_output_is_exact_beside_absent_channels) {
+TEST(RateOfASlew, InTheMapOfAnOutputIsExactBesideAbsentChannels) {
     expect_exact(Limit::output_map, true);
 }
 
-TEST(RateOfASlew, in_the_map_of_an_input_is_exact) {
+TEST(RateOfASlew, InTheMapOfAnInputIsExact) {
     expect_exact(Limit::input_map, false);
     expect_exact(Limit::input_map, true);
 }
 
-TEST(RateOfASlew, of_a_changeover_is_exact) {
+TEST(RateOfASlew, IsExactForAChangeover) {
     expect_exact(Limit::changeover, false);
     expect_exact(Limit::changeover, true);
 }
 
-TEST(RateOfASlew, back_from_presets_is_exact) {
+TEST(RateOfASlew, BackFromPresetsIsExact) {
     expect_exact(Limit::failsafe, false);
     expect_exact(Limit::failsafe, true);
 }

@@ -44,7 +44,7 @@ void lose_for(Bench& bench, Duration loss) {
     bench.said(at(2500ms) + loss);
 }
 
-TEST(SlewOfAnOutput, does_not_make_up_for_the_time_in_which_values_were_held) {
+TEST(SlewOfAnOutput, DoesNotMakeUpForTheTimeInWhichValuesWereHeld) {
     OutputSettings output = sbus_output({0}, {.hold = 10s});
     output.channels = slow_first_channel();
     Bench bench(list(sbus_input()), list(std::move(output)));
@@ -53,7 +53,7 @@ TEST(SlewOfAnOutput, does_not_make_up_for_the_time_in_which_values_were_held) {
     EXPECT_NEAR(bench.said(at(7500ms)).raw[0], raw_of(1659), 4) << "it goes on where it was held";
 }
 
-TEST(SlewOfAnOutput, moves_no_faster_in_the_first_frame_after_silence_than_since_the_last_one) {
+TEST(SlewOfAnOutput, MovesNoFasterInTheFirstFrameAfterSilenceThanSinceTheLastOne) {
     OutputSettings output =
         sbus_output({0}, {.hold = 0ms, .action = FailsafeAction::silence, .recover = 0ms});
     output.channels = slow_first_channel();
@@ -66,7 +66,7 @@ TEST(SlewOfAnOutput, moves_no_faster_in_the_first_frame_after_silence_than_since
     EXPECT_NEAR(first->frame.raw[0] - (first - 1)->frame.raw[0], kSlow * silent_s * 8 / 5, 1);
 }
 
-TEST(SlewOfAnOutput, goes_on_from_what_was_held_although_release_when_was_waited_for) {
+TEST(SlewOfAnOutput, GoesOnFromWhatWasHeldAlthoughReleaseWhenWasWaitedFor) {
     OutputSettings output =
         sbus_output({0}, {.hold = 0ms,
                           .action = FailsafeAction::hold,
@@ -88,7 +88,7 @@ TEST(SlewOfAnOutput, goes_on_from_what_was_held_although_release_when_was_waited
 }
 
 /// The changeover is slower than the slew, so the channel lags behind what the slew allows.
-TEST(SlewOfAnOutput, goes_on_after_silence_from_what_a_changeover_had_reached) {
+TEST(SlewOfAnOutput, GoesOnAfterSilenceFromWhatAChangeoverHadReached) {
     OutputSettings output =
         sbus_output({0, 1}, {.hold = 0ms, .action = FailsafeAction::silence, .recover = 0ms});
     output.channels = {{.output = 0, .source = FromChannel{0}, .slew_us_per_second = 1000}};
@@ -106,7 +106,7 @@ TEST(SlewOfAnOutput, goes_on_after_silence_from_what_a_changeover_had_reached) {
     EXPECT_LE(first->frame.raw[0] - (first - 1)->frame.raw[0], silent_ms * 8 / 5 + 1);
 }
 
-TEST(GlideAfterAChangeover, does_not_slow_presets) {
+TEST(GlideAfterAChangeover, DoesNotSlowPresets) {
     OutputSettings output = sbus_output({0, 1}, {.hold = 0ms, .recover = 0ms});
     output.selection.changeover_us_per_second = 10;
     Bench bench(list(sbus_input(), sbus_input()), list(std::move(output)));
@@ -121,7 +121,7 @@ TEST(GlideAfterAChangeover, does_not_slow_presets) {
     EXPECT_EQ(preset->frame.raw[0], raw_of(1500));
 }
 
-TEST(GlideAfterAChangeover, is_not_lost_in_held_values_by_a_reload_in_failsafe) {
+TEST(GlideAfterAChangeover, IsNotLostInHeldValuesByAReloadInFailsafe) {
     const auto with_trim = [](int trim_us) {
         OutputSettings output =
             sbus_output({0, 1}, {.hold = 0ms, .action = FailsafeAction::hold, .recover = 0ms});
@@ -146,7 +146,7 @@ TEST(GlideAfterAChangeover, is_not_lost_in_held_values_by_a_reload_in_failsafe) 
 }
 
 /// The slew starts at the preset, 988 us, so the first frames would fulfil it.
-TEST(ReleaseWhen, waits_for_the_stick_although_its_channel_comes_slowly_from_a_low_preset) {
+TEST(ReleaseWhen, WaitsForTheStickAlthoughItsChannelComesSlowlyFromALowPreset) {
     OutputSettings output =
         sbus_output({0}, {.release_when = ValueRule{.channel = 2, .below = us(1050)}});
     output.channels = {{.output = 2, .source = FromChannel{2}, .slew_us_per_second = kSlow}};
@@ -181,7 +181,7 @@ OutputSettings output_with_release(std::vector<std::size_t> inputs, int below) {
 }
 
 /// The channel has come to 1050 us when the input has recovered.
-TEST(ReleaseWhen, waits_for_the_stick_although_the_map_of_the_input_slows_its_channel) {
+TEST(ReleaseWhen, WaitsForTheStickAlthoughTheMapOfTheInputSlowsItsChannel) {
     Bench bench(list(slow_throttle_input()), list(output_with_release({0}, 1100)));
     throttle(bench, 0, 1ms, 3s, 1000);
     EXPECT_FALSE(bench.said(at(3s)).failsafe);
@@ -193,7 +193,7 @@ TEST(ReleaseWhen, waits_for_the_stick_although_the_map_of_the_input_slows_its_ch
     EXPECT_FALSE(bench.said(at(4800ms)).failsafe);
 }
 
-TEST(ReleaseWhen, waits_for_the_sticks_of_all_that_vote_where_their_maps_slow_the_channel) {
+TEST(ReleaseWhen, WaitsForTheSticksOfAllThatVoteWhereTheirMapsSlowTheChannel) {
     OutputSettings output = output_with_release({0, 1}, 1100);
     output.selection.mode = SelectionMode::median;
     Bench bench(list(slow_throttle_input(), slow_throttle_input()), list(std::move(output)));
@@ -212,7 +212,7 @@ TEST(ReleaseWhen, waits_for_the_sticks_of_all_that_vote_where_their_maps_slow_th
 }
 
 /// The slew starts at the preset, 988 us, in each frame, so it never comes above 1400 us.
-TEST(ReleaseWhen, is_fulfilled_by_the_stick_alone_where_a_slew_starts_at_a_preset_beyond_it) {
+TEST(ReleaseWhen, IsFulfilledByTheStickAloneWhereASlewStartsAtAPresetBeyondIt) {
     OutputSettings output = sbus_output(
         {0}, {.recover = 500ms,
               .release_when = ValueRule{.channel = 2, .between = PulseRange{us(1400), us(1600)}}});
@@ -226,7 +226,7 @@ TEST(ReleaseWhen, is_fulfilled_by_the_stick_alone_where_a_slew_starts_at_a_prese
 }
 
 /// The stick is there at once, the channel of the input comes to it slowly.
-TEST(ReleaseWhen, waits_for_the_channel_of_the_input_whatever_the_preset_is) {
+TEST(ReleaseWhen, WaitsForTheChannelOfTheInputWhateverThePresetIs) {
     OutputSettings output = sbus_output(
         {0}, {.hold = 0ms,
               .recover = 100ms,
@@ -239,7 +239,7 @@ TEST(ReleaseWhen, waits_for_the_channel_of_the_input_whatever_the_preset_is) {
     EXPECT_FALSE(bench.said(at(2200ms)).failsafe);
 }
 
-TEST(SlewOfAnInput, does_not_make_up_for_the_time_of_a_loss) {
+TEST(SlewOfAnInput, DoesNotMakeUpForTheTimeOfALoss) {
     InputSettings input = sbus_input();
     input.channels = slow_first_channel();
     Bench bench(list(std::move(input)), list(sbus_output({0}, {.hold = 10s})));
@@ -249,7 +249,7 @@ TEST(SlewOfAnInput, does_not_make_up_for_the_time_of_a_loss) {
 }
 
 /// Frames that say failsafe are no loss of bytes, but the output holds values all the same.
-TEST(SlewOfAnInput, rests_while_its_frames_say_failsafe) {
+TEST(SlewOfAnInput, RestsWhileItsFramesSayFailsafe) {
     InputSettings input = sbus_input();
     input.channels = slow_first_channel();
     Bench bench(list(std::move(input)), list(sbus_output({0}, {.hold = 10s})));
@@ -261,7 +261,7 @@ TEST(SlewOfAnInput, rests_while_its_frames_say_failsafe) {
 }
 
 /// Frames come every 40 ms, the output writes every 10 ms.
-TEST(SlewOfAnInput, is_as_even_in_the_frames_of_a_faster_output) {
+TEST(SlewOfAnInput, IsAsEvenInTheFramesOfAFasterOutput) {
     InputSettings input = sbus_input();
     input.channels = slow_first_channel();
     Bench bench(list(std::move(input)), list(sbus_output({0})));
@@ -273,7 +273,7 @@ TEST(SlewOfAnInput, is_as_even_in_the_frames_of_a_faster_output) {
     EXPECT_LE(largest_step(bench, at(900ms)), kSlowStep);
 }
 
-TEST(SlewOfAnInput, is_kept_by_an_output_that_lost_the_input_before_another_output_did) {
+TEST(SlewOfAnInput, IsKeptByAnOutputThatLostTheInputBeforeAnotherOutputDid) {
     InputSettings input = sbus_input();
     input.channels = slow_first_channel();
     OutputSettings patient = sbus_output({0});
@@ -287,7 +287,7 @@ TEST(SlewOfAnInput, is_kept_by_an_output_that_lost_the_input_before_another_outp
     EXPECT_LE(largest_step(bench, at(900ms), 1), 5 * kSlowStep);
 }
 
-TEST(SlewOfAnInput, does_not_slow_another_input) {
+TEST(SlewOfAnInput, DoesNotSlowAnotherInput) {
     InputSettings slow = sbus_input();
     slow.channels = slow_first_channel();
     Bench bench(list(std::move(slow), sbus_input()), list(sbus_output({0, 1})));
@@ -298,7 +298,7 @@ TEST(SlewOfAnInput, does_not_slow_another_input) {
     EXPECT_EQ(bench.said(at(1100ms)).raw[0], raw_of(1200));
 }
 
-TEST(GlideAfterAChangeover, does_not_make_up_for_the_time_in_which_values_were_held) {
+TEST(GlideAfterAChangeover, DoesNotMakeUpForTheTimeInWhichValuesWereHeld) {
     for (const auto& [hold, loss] :
          {std::pair(Duration(300ms), Duration(350ms)), std::pair(Duration(10s), Duration(5s))}) {
         OutputSettings output = sbus_output({0, 1}, {.hold = hold});
@@ -312,7 +312,7 @@ TEST(GlideAfterAChangeover, does_not_make_up_for_the_time_in_which_values_were_h
     }
 }
 
-TEST(FailsafeSlew, does_not_make_up_on_its_way_back_for_the_time_in_which_values_were_held) {
+TEST(FailsafeSlew, DoesNotMakeUpOnItsWayBackForTheTimeInWhichValuesWereHeld) {
     Bench bench(list(sbus_input()), list(sbus_output({0}, {.slew_us_per_second = kSlow})));
     stick(bench, 0, at(1ms), at(1200ms), 1900);
     stick(bench, 0, at(6s), at(7s), 1900);
@@ -322,7 +322,7 @@ TEST(FailsafeSlew, does_not_make_up_on_its_way_back_for_the_time_in_which_values
 }
 
 /// A changeover without a limit of its own does not end the one that leads back from the presets.
-TEST(FailsafeSlew, goes_on_over_a_changeover_on_its_way_back) {
+TEST(FailsafeSlew, GoesOnOverAChangeoverOnItsWayBack) {
     Bench bench(list(sbus_input(), sbus_input()),
                 list(sbus_output({0, 1}, {.slew_us_per_second = kSlow})));
     bench.said(at(1s));

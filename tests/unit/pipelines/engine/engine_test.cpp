@@ -12,7 +12,7 @@
 namespace tribus::test::serial::engine_test {
 namespace {
 
-TEST(EngineFailsafe, before_the_first_good_frame_an_output_is_in_failsafe) {
+TEST(EngineFailsafe, BeforeTheFirstGoodFrameAnOutputIsInFailsafe) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     const SbusFrame frame = bench.said(at(50ms));
     EXPECT_TRUE(frame.failsafe);
@@ -21,7 +21,7 @@ TEST(EngineFailsafe, before_the_first_good_frame_an_output_is_in_failsafe) {
     EXPECT_EQ(frame.raw[0], 992);
 }
 
-TEST(EngineFailsafe, a_frame_that_a_rule_takes_for_failsafe_counts_as_one) {
+TEST(EngineFailsafe, AFrameThatARuleTakesForFailsafeCountsAsOne) {
     Bench bench(list(ibus_input({{.channel = 2, .below = us(950)}})), list(sbus_output({0})));
     bench.ibus(0, at(5ms), us(1500), us(1000));
     EXPECT_EQ(bench.engine().inputs()[0].counts().failsafe_frames, 0U);
@@ -29,7 +29,7 @@ TEST(EngineFailsafe, a_frame_that_a_rule_takes_for_failsafe_counts_as_one) {
     EXPECT_EQ(bench.engine().inputs()[0].counts().failsafe_frames, 1U);
 }
 
-TEST(EngineFailsafe, an_output_without_inputs_says_that_all_is_good) {
+TEST(EngineFailsafe, AnOutputWithoutInputsSaysThatAllIsGood) {
     Bench bench({}, list(sbus_output({})));
     const SbusFrame frame = bench.said(at(50ms));
     EXPECT_FALSE(frame.failsafe);
@@ -37,7 +37,7 @@ TEST(EngineFailsafe, an_output_without_inputs_says_that_all_is_good) {
     EXPECT_EQ(bench.engine().outputs()[0].latest().cause, LinkCause::good);
 }
 
-TEST(EngineFailsafe, the_first_good_frame_gives_control_at_once) {
+TEST(EngineFailsafe, TheFirstGoodFrameGivesControlAtOnce) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     bench.ibus(0, at(15ms), us(1100));
     const SbusFrame frame = bench.said(at(20ms));
@@ -46,7 +46,7 @@ TEST(EngineFailsafe, the_first_good_frame_gives_control_at_once) {
     EXPECT_EQ(frame.raw[0], raw_of(1100));
 }
 
-TEST(EngineFailsafe, values_are_marked_before_they_outlive_the_timeout_and_held_then_preset) {
+TEST(EngineFailsafe, ValuesAreMarkedBeforeTheyOutliveTheTimeoutAndHeldThenPreset) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     bench.ibus(0, at(5ms), us(1100));
     // Lost at 105 ms: the frame of 90 ms counts until 100 ms, the one of 100 ms would count until
@@ -63,7 +63,7 @@ TEST(EngineFailsafe, values_are_marked_before_they_outlive_the_timeout_and_held_
     EXPECT_EQ(preset.raw[0], 992);
 }
 
-TEST(EngineFailsafe, action_hold_goes_on_with_the_last_values_and_says_failsafe) {
+TEST(EngineFailsafe, ActionHoldGoesOnWithTheLastValuesAndSaysFailsafe) {
     Bench bench(list(ibus_input()), list(sbus_output({0}, {.action = FailsafeAction::hold})));
     bench.ibus(0, at(5ms), us(1100));
     const SbusFrame frame = bench.said(at(2s));
@@ -72,13 +72,13 @@ TEST(EngineFailsafe, action_hold_goes_on_with_the_last_values_and_says_failsafe)
     EXPECT_EQ(frame.raw[0], raw_of(1100));
 }
 
-TEST(EngineFailsafe, action_hold_is_silent_while_there_is_nothing_to_hold) {
+TEST(EngineFailsafe, ActionHoldIsSilentWhileThereIsNothingToHold) {
     Bench bench(list(ibus_input()), list(sbus_output({0}, {.action = FailsafeAction::hold})));
     bench.said(at(1s));
     EXPECT_TRUE(bench.seen().empty());
 }
 
-TEST(EngineFailsafe, action_silence_writes_nothing_in_failsafe) {
+TEST(EngineFailsafe, ActionSilenceWritesNothingInFailsafe) {
     Bench bench(list(ibus_input()), list(sbus_output({0}, {.action = FailsafeAction::silence})));
     bench.said(at(50ms));
     EXPECT_TRUE(bench.seen().empty());
@@ -89,7 +89,7 @@ TEST(EngineFailsafe, action_silence_writes_nothing_in_failsafe) {
     EXPECT_LT(bench.seen().back().at, at(455ms));
 }
 
-TEST(EngineFailsafe, a_loss_that_hold_bridges_needs_no_recovery) {
+TEST(EngineFailsafe, ALossThatHoldBridgesNeedsNoRecovery) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     bench.ibus(0, at(5ms), us(1100));
     bench.ibus(0, at(255ms), us(1200));
@@ -98,7 +98,7 @@ TEST(EngineFailsafe, a_loss_that_hold_bridges_needs_no_recovery) {
     EXPECT_EQ(frame.raw[0], raw_of(1200));
 }
 
-TEST(EngineFailsafe, after_failsafe_control_returns_only_after_an_unbroken_run) {
+TEST(EngineFailsafe, AfterFailsafeControlReturnsOnlyAfterAnUnbrokenRun) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     bench.ibus(0, at(5ms), us(1100));
     bench.ibus_run(0, at(1s), at(1499ms), us(1200));
@@ -108,7 +108,7 @@ TEST(EngineFailsafe, after_failsafe_control_returns_only_after_an_unbroken_run) 
     EXPECT_EQ(bench.engine().outputs()[0].counts().recoveries, 1U);
 }
 
-TEST(EngineFailsafe, a_gap_longer_than_the_timeout_starts_the_run_anew) {
+TEST(EngineFailsafe, AGapLongerThanTheTimeoutStartsTheRunAnew) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     bench.ibus(0, at(5ms), us(1100));
     bench.ibus_run(0, at(1s), at(1400ms), us(1200));
@@ -118,7 +118,7 @@ TEST(EngineFailsafe, a_gap_longer_than_the_timeout_starts_the_run_anew) {
     EXPECT_FALSE(bench.said(at(2100ms)).failsafe);
 }
 
-TEST(EngineFailsafe, hold_and_recover_of_zero_act_at_once) {
+TEST(EngineFailsafe, HoldAndRecoverOfZeroActAtOnce) {
     Bench bench(list(ibus_input()), list(sbus_output({0}, {.hold = 0ms, .recover = 0ms})));
     bench.ibus(0, at(5ms), us(1100));
     EXPECT_TRUE(bench.said(at(100ms)).failsafe);
@@ -126,7 +126,7 @@ TEST(EngineFailsafe, hold_and_recover_of_zero_act_at_once) {
     EXPECT_FALSE(bench.said(at(1s)).failsafe);
 }
 
-TEST(EngineFlags, a_frame_lost_mark_of_the_input_passes_while_the_link_is_up) {
+TEST(EngineFlags, AFrameLostMarkOfTheInputPassesWhileTheLinkIsUp) {
     Bench bench(list(sbus_input()), list(sbus_output({0})));
     bench.sbus(0, at(1ms), us(1100), false, false);
     bench.sbus(0, at(15ms), us(1100), true, false);
@@ -136,7 +136,7 @@ TEST(EngineFlags, a_frame_lost_mark_of_the_input_passes_while_the_link_is_up) {
     EXPECT_FALSE(frame.failsafe);
 }
 
-TEST(EngineFlags, a_splitter_that_says_frame_lost_for_ever_ends_in_failsafe) {
+TEST(EngineFlags, ASplitterThatSaysFrameLostForEverEndsInFailsafe) {
     // ArduPilot issue 31088: Futaba via splitters stays at frame lost and never marks failsafe.
     Bench bench(list(sbus_input()), list(sbus_output({0})));
     bench.sbus(0, at(1ms), us(1100), false, false);
@@ -146,7 +146,7 @@ TEST(EngineFlags, a_splitter_that_says_frame_lost_for_ever_ends_in_failsafe) {
     EXPECT_TRUE(bench.said(at(600ms)).failsafe);
 }
 
-TEST(EngineFlags, a_failsafe_flag_is_a_loss_at_once) {
+TEST(EngineFlags, AFailsafeFlagIsALossAtOnce) {
     Bench bench(list(sbus_input()), list(sbus_output({0})));
     for (Instant when = at(1ms); when < at(200ms); when += 14ms) {
         bench.sbus(0, when, us(1100), false, false);
@@ -158,7 +158,7 @@ TEST(EngineFlags, a_failsafe_flag_is_a_loss_at_once) {
     EXPECT_TRUE(bench.said(at(500ms)).failsafe);
 }
 
-TEST(EngineRules, a_held_preset_is_caught_by_its_value) {
+TEST(EngineRules, AHeldPresetIsCaughtByItsValue) {
     // FlySky practice: throttle at 900 in the receiver's failsafe (betaflight issue 8877).
     Bench bench(list(ibus_input({{.channel = 2, .below = us(950)}})), list(sbus_output({0})));
     bench.ibus(0, at(5ms), us(1100), us(950));
@@ -169,7 +169,7 @@ TEST(EngineRules, a_held_preset_is_caught_by_its_value) {
     EXPECT_TRUE(bench.said(at(400ms)).failsafe);
 }
 
-TEST(EngineInputs, the_first_healthy_input_in_order_is_in_control) {
+TEST(EngineInputs, TheFirstHealthyInputInOrderIsInControl) {
     Bench bench(list(ibus_input(), ibus_input()), list(sbus_output({0, 1})));
     bench.ibus(1, at(4ms), us(1900));
     EXPECT_EQ(bench.said(at(10ms)).raw[0], raw_of(1900));
@@ -177,7 +177,7 @@ TEST(EngineInputs, the_first_healthy_input_in_order_is_in_control) {
     EXPECT_EQ(bench.said(at(20ms)).raw[0], raw_of(1100));
 }
 
-TEST(EngineInputs, a_backup_takes_over_without_a_mark_when_the_main_input_is_lost) {
+TEST(EngineInputs, ABackupTakesOverWithoutAMarkWhenTheMainInputIsLost) {
     Bench bench(list(ibus_input(), ibus_input()), list(sbus_output({0, 1})));
     bench.ibus(0, at(5ms), us(1100));
     bench.ibus_run(1, at(6ms), at(300ms), us(1900));
@@ -188,7 +188,7 @@ TEST(EngineInputs, a_backup_takes_over_without_a_mark_when_the_main_input_is_los
     }
 }
 
-TEST(EngineInputs, the_main_input_takes_control_back_after_recovering) {
+TEST(EngineInputs, TheMainInputTakesControlBackAfterRecovering) {
     Bench bench(list(ibus_input(), ibus_input()), list(sbus_output({0, 1})));
     bench.ibus(0, at(5ms), us(1100));
     for (Instant when = at(6ms); when < at(2s); when += 8ms) {
@@ -201,7 +201,7 @@ TEST(EngineInputs, the_main_input_takes_control_back_after_recovering) {
     EXPECT_EQ(bench.said(at(1600ms)).raw[0], raw_of(1200));
 }
 
-TEST(EngineInputs, one_input_feeds_several_outputs_each_with_its_own_failsafe) {
+TEST(EngineInputs, OneInputFeedsSeveralOutputsEachWithItsOwnFailsafe) {
     Bench bench(list(ibus_input()), list(sbus_output({0}), sbus_output({0}, {.hold = 0ms})));
     bench.ibus(0, at(5ms), us(1100));
     EXPECT_EQ(bench.said(at(10ms), 0).raw[0], raw_of(1100));
@@ -210,7 +210,7 @@ TEST(EngineInputs, one_input_feeds_several_outputs_each_with_its_own_failsafe) {
     EXPECT_TRUE(bench.said(at(120ms), 1).failsafe);
 }
 
-TEST(EngineInputs, the_newest_of_several_frames_in_one_read_wins) {
+TEST(EngineInputs, TheNewestOfSeveralFramesInOneReadWins) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     std::vector<std::uint8_t> burst;
     for (const int value : {1100, 1200, 1300}) {
@@ -224,7 +224,7 @@ TEST(EngineInputs, the_newest_of_several_frames_in_one_read_wins) {
     EXPECT_EQ(bench.said(at(10ms)).raw[0], raw_of(1300));
 }
 
-TEST(EngineEnd, every_output_says_failsafe_three_times_and_no_input_brings_control_back) {
+TEST(EngineEnd, EveryOutputSaysFailsafeThreeTimesAndNoInputBringsControlBack) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     bench.ibus_run(0, at(1ms), at(100ms), us(1100));
     bench.said(at(100ms));
@@ -236,7 +236,7 @@ TEST(EngineEnd, every_output_says_failsafe_three_times_and_no_input_brings_contr
     }
 }
 
-TEST(EngineCounts, device_losses_and_frames_are_counted) {
+TEST(EngineCounts, DeviceLossesAndFramesAreCounted) {
     Bench bench(list(sbus_input()), list(sbus_output({0})));
     for (Instant when = at(1ms); when < at(100ms); when += 14ms) {
         bench.sbus(0, when, us(1100), false, false);

@@ -8,18 +8,18 @@ namespace {
 
 constexpr PulseRange kUsual{Pulse::from_microseconds(900), Pulse::from_microseconds(2100)};
 
-TEST(LinkRun, goes_on_over_frames_that_are_marked_frame_lost) {
+TEST(LinkRun, GoesOnOverFramesThatAreMarkedFrameLost) {
     const Link link = Link().moving(70ms).same(140ms, frame_lost(sticks())).moving(210ms);
     EXPECT_EQ(link.supervisor().run_start(), at(0ms));
 }
 
-TEST(LinkRun, goes_on_over_frames_that_are_not_plausible) {
+TEST(LinkRun, GoesOnOverFramesThatAreNotPlausible) {
     const Link link =
         Link({.plausible = kUsual}).moving(70ms).same(140ms, sticks(2101)).moving(210ms);
     EXPECT_EQ(link.supervisor().run_start(), at(0ms));
 }
 
-TEST(LinkRun, begins_anew_where_the_good_frame_becomes_older_than_the_timeout) {
+TEST(LinkRun, BeginsAnewWhereTheGoodFrameBecomesOlderThanTheTimeout) {
     // The good frame of 63 ms is too old from 163 ms on.
     const Link link = Link().moving(70ms).same(161ms, frame_lost(sticks())).moving(300ms);
     EXPECT_EQ(link.supervisor().run_start(), at(0ms));
@@ -27,7 +27,7 @@ TEST(LinkRun, begins_anew_where_the_good_frame_becomes_older_than_the_timeout) {
     EXPECT_EQ(later.supervisor().run_start(), at(168ms));
 }
 
-TEST(LinkRun, begins_anew_there_although_marked_frames_keep_the_link) {
+TEST(LinkRun, BeginsAnewThereAlthoughMarkedFramesKeepTheLink) {
     const SupervisionSettings settings{.frame_lost_run = 500ms};
     const Link link = Link(settings).moving(70ms).same(273ms, frame_lost(sticks())).moving(350ms);
     EXPECT_TRUE(link.supervisor().first_run()) << "it was never lost";
@@ -36,7 +36,7 @@ TEST(LinkRun, begins_anew_there_although_marked_frames_keep_the_link) {
     EXPECT_EQ(soon.supervisor().run_start(), at(0ms));
 }
 
-TEST(LinkRun, proves_a_link_with_three_good_frames_and_no_fewer) {
+TEST(LinkRun, ProvesALinkWithThreeGoodFramesAndNoFewer) {
     Link link = Link().same(7ms, sticks()).same(70ms, frame_lost(sticks())).same(77ms, sticks());
     EXPECT_FALSE(link.supervisor().has_proved(50ms, at(77ms))) << "two good frames";
     EXPECT_TRUE(link.supervisor().has_proved(0ms, at(77ms))) << "nothing has to be proved";
@@ -45,19 +45,19 @@ TEST(LinkRun, proves_a_link_with_three_good_frames_and_no_fewer) {
     EXPECT_FALSE(link.supervisor().has_proved(78ms, at(77ms)));
 }
 
-TEST(LinkRun, proves_nothing_while_the_good_frame_is_older_than_the_timeout) {
+TEST(LinkRun, ProvesNothingWhileTheGoodFrameIsOlderThanTheTimeout) {
     const Link link =
         Link({.frame_lost_run = 500ms}).moving(70ms).same(170ms, frame_lost(sticks()));
     EXPECT_TRUE(link.supervisor().has_proved(50ms, at(163ms)));
     EXPECT_FALSE(link.supervisor().has_proved(50ms, at(163ms + 1ns)));
 }
 
-TEST(LinkCause, of_a_loss_that_goes_on_is_radio_lost_since_its_first_frame) {
+TEST(LinkCause, IsRadioLostSinceTheFirstFrameOfALossThatGoesOn) {
     const Link link = Link().moving(70ms).same(140ms, failsafe(sticks()));
     EXPECT_EQ(link.state(140ms).since, at(70ms));
 }
 
-TEST(LinkCause, of_a_loss_keeps_the_sign_that_it_began_with) {
+TEST(LinkCause, KeepsTheSignThatALossBeganWith) {
     const ValueRule low{.channel = 2, .below = us(950)};
     const Link link =
         Link({.failsafe_when = {low}}).moving(70ms).same(77ms, sticks(900)).same(140ms, [] {
@@ -66,34 +66,34 @@ TEST(LinkCause, of_a_loss_keeps_the_sign_that_it_began_with) {
     EXPECT_EQ(link.state(140ms).sign, RadioLossSign::value_rule);
 }
 
-TEST(Frozen, may_be_longer_than_the_timeout_and_does_not_prolong_it) {
+TEST(Frozen, MayBeLongerThanTheTimeoutAndDoesNotProlongIt) {
     const Link link = Link({.frozen = 500ms}).moving(70ms);  // the last at 63 ms
     EXPECT_TRUE(link.supervisor().alive(at(163ms - 1ns)));
     EXPECT_FALSE(link.supervisor().alive(at(163ms)));
 }
 
-TEST(Plausible, looks_at_all_eighteen_channels) {
+TEST(Plausible, LooksAtAllEighteenChannels) {
     ChannelFrame frame = sticks();
     frame.set(16, us(1500));
     frame.set(17, us(2101));
     EXPECT_EQ(Link({.plausible = kUsual}).same(70ms, frame).cause(70ms), LinkCause::implausible);
 }
 
-TEST(ZeroGuard, begins_anew_where_a_link_falls_silent_before_it_was_ever_good) {
+TEST(ZeroGuard, BeginsAnewWhereALinkFallsSilentBeforeItWasEverGood) {
     ChannelFrame half = sticks();
     half.set(2, kRawZero);
     const Link link = Link({.raw_zero = kRawZero}).same(500ms, half).silence(5s).same(5900ms, half);
     EXPECT_EQ(link.cause(5900ms), LinkCause::implausible);
 }
 
-TEST(LinkAfterAReload, is_not_revived_by_a_longer_timeout) {
+TEST(LinkAfterAReload, IsNotRevivedByALongerTimeout) {
     Link before = Link().moving(70ms);  // lost from 163 ms on
     LinkSupervisor after(SupervisionSettings{.timeout = 1s});
     after.continue_from(before.supervisor(), at(300ms));
     EXPECT_FALSE(after.alive(at(300ms)));
 }
 
-TEST(LinkAfterAReload, is_lost_by_a_shorter_timeout_at_once) {
+TEST(LinkAfterAReload, IsLostByAShorterTimeoutAtOnce) {
     Link before = Link({.timeout = 1s}).moving(70ms);
     LinkSupervisor after(SupervisionSettings{.timeout = 100ms});
     after.continue_from(before.supervisor(), at(150ms));
@@ -101,7 +101,7 @@ TEST(LinkAfterAReload, is_lost_by_a_shorter_timeout_at_once) {
     EXPECT_FALSE(after.alive(at(163ms)));
 }
 
-TEST(LinkAfterAReload, that_watches_for_standing_still_from_now_on_counts_from_now) {
+TEST(LinkAfterAReload, ThatWatchesForStandingStillFromNowOnCountsFromNow) {
     Link before = Link().same(2s, sticks());
     LinkSupervisor after(SupervisionSettings{.frozen = 500ms});
     after.continue_from(before.supervisor(), at(2s));

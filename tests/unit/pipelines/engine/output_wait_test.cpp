@@ -40,25 +40,25 @@ void sbus_run(Bench& bench, Duration from, Duration until, int of) {
     }
 }
 
-TEST(OutputWait, is_for_a_link_that_was_never_heard) {
+TEST(OutputWait, IsForALinkThatWasNeverHeard) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     EXPECT_EQ(awaited(bench, 200ms), "radio: never seen");
 }
 
-TEST(OutputWait, is_for_a_link_that_is_lost_with_its_cause) {
+TEST(OutputWait, IsForALinkThatIsLostWithItsCause) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     bench.ibus_run(0, at(1ms), at(400ms), us(1500));
     EXPECT_EQ(awaited(bench, 400ms), "") << "in control";
     EXPECT_EQ(awaited(bench, 1s), "radio: wire silent (no bytes any more)");
 }
 
-TEST(OutputWait, is_for_the_rest_of_the_time_of_good_frames) {
+TEST(OutputWait, IsForTheRestOfTheTimeOfGoodFrames) {
     Bench bench(list(ibus_input()), list(sbus_output({0}, proof_of(500ms))));
     bench.ibus_run(0, at(1ms), at(301ms), us(1500));
     EXPECT_EQ(awaited(bench, 301ms), "radio: good for 0.3 of 0.5 s");
 }
 
-TEST(OutputWait, is_for_the_input_that_needs_the_least_time) {
+TEST(OutputWait, IsForTheInputThatNeedsTheLeastTime) {
     Bench bench(list(ibus_input(), ibus_input()), list(sbus_output({0, 1}, proof_of(500ms))));
     for (Duration when = 1ms; when < 301ms; when += 8ms) {
         bench.ibus(1, at(when), us(1500));
@@ -70,7 +70,7 @@ TEST(OutputWait, is_for_the_input_that_needs_the_least_time) {
     EXPECT_EQ(bench.engine().wait(0, at(301ms)).input, 1U);
 }
 
-TEST(OutputWait, names_the_share_of_frames_that_are_marked_frame_lost) {
+TEST(OutputWait, NamesTheShareOfFramesThatAreMarkedFrameLost) {
     Bench bench(list(sbus_input()), list(sbus_output({0}, proof_of(500ms))));
     sbus_run(bench, 10ms, 310ms, 5);
     EXPECT_EQ(awaited(bench, 312ms),
@@ -78,7 +78,7 @@ TEST(OutputWait, names_the_share_of_frames_that_are_marked_frame_lost) {
 }
 
 /// A rule hits each 120 ms, so the link never proves itself.
-TEST(OutputWait, names_the_loss_that_began_the_proof_anew) {
+TEST(OutputWait, NamesTheLossThatBeganTheProofAnew) {
     Bench bench(list(sbus_input({{.channel = 0, .above = us(1900)}})),
                 list(sbus_output({0}, proof_of(500ms))));
     for (int number = 1; number <= 50; ++number) {
@@ -89,7 +89,7 @@ TEST(OutputWait, names_the_loss_that_began_the_proof_anew) {
               "so)");
 }
 
-TEST(OutputWait, is_for_a_first_frame_until_bytes_without_one_have_come_for_the_timeout) {
+TEST(OutputWait, IsForAFirstFrameUntilBytesWithoutOneHaveComeForTheTimeout) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     const std::array<std::uint8_t, 1> noise{0x55};
     for (Duration when = 1ms; when < 200ms; when += 20ms) {
@@ -99,7 +99,7 @@ TEST(OutputWait, is_for_a_first_frame_until_bytes_without_one_have_come_for_the_
     EXPECT_EQ(awaited(bench, 190ms), "radio: garbled (bytes, but no frames)");
 }
 
-TEST(OutputText, says_nothing_of_a_module_whose_device_is_gone) {
+TEST(OutputText, SaysNothingOfAModuleWhoseDeviceIsGone) {
     OutputState state;
     state.stage = OutputStage::cannot_send;
     state.obstacle = SendObstacle::device;
@@ -107,7 +107,7 @@ TEST(OutputText, says_nothing_of_a_module_whose_device_is_gone) {
     EXPECT_EQ(output_text(state, kNames), "cannot send: its device is gone");
 }
 
-TEST(OutputWait, names_the_value_that_is_not_plausible) {
+TEST(OutputWait, NamesTheValueThatIsNotPlausible) {
     InputSettings input = ibus_input();
     input.supervision.plausible = PulseRange{us(900), us(2100)};
     Bench bench(list(std::move(input)), list(sbus_output({0}, proof_of(500ms))));
@@ -118,14 +118,14 @@ TEST(OutputWait, names_the_value_that_is_not_plausible) {
               "plausible are 900 to 2100 us");
 }
 
-TEST(OutputWait, is_for_three_good_frames) {
+TEST(OutputWait, IsForThreeGoodFrames) {
     Bench bench(list(ibus_input()), list(sbus_output({0}, proof_of(50ms))));
     bench.ibus(0, at(1ms), us(1500));
     bench.ibus(0, at(91ms), us(1500));
     EXPECT_EQ(awaited(bench, 100ms), "radio: 2 of 3 good frames");
 }
 
-TEST(OutputWait, is_for_a_good_frame_where_marked_ones_keep_the_link) {
+TEST(OutputWait, IsForAGoodFrameWhereMarkedOnesKeepTheLink) {
     InputSettings input = sbus_input();
     input.supervision.frame_lost_run = 2s;
     Bench bench(list(std::move(input)), list(sbus_output({0}, proof_of(500ms))));
@@ -139,7 +139,7 @@ TEST(OutputWait, is_for_a_good_frame_where_marked_ones_keep_the_link) {
         "frames marked frame-lost");
 }
 
-TEST(OutputWait, is_for_younger_frames_where_the_timeout_does_not_last_for_a_period) {
+TEST(OutputWait, IsForYoungerFramesWhereTheTimeoutDoesNotLastForAPeriod) {
     InputSettings input = ibus_input();
     input.supervision.timeout = 20ms;
     OutputSettings output = sbus_output({0});
@@ -149,7 +149,7 @@ TEST(OutputWait, is_for_younger_frames_where_the_timeout_does_not_last_for_a_per
     EXPECT_EQ(awaited(bench, 10ms), "radio: a good frame, the latest is 9 ms old of at most 5 ms");
 }
 
-TEST(OutputWait, is_for_the_condition_of_release_when) {
+TEST(OutputWait, IsForTheConditionOfReleaseWhen) {
     FailsafeSettings failsafe{.release_when = ValueRule{.channel = 2, .below = us(1050)}};
     Bench bench(list(ibus_input()), list(sbus_output({0}, failsafe)));
     bench.ibus_run(0, at(1ms), at(400ms), us(1100));
@@ -157,7 +157,7 @@ TEST(OutputWait, is_for_the_condition_of_release_when) {
     EXPECT_EQ(told_cause(bench, 0, 400ms), LinkCause::good) << "its input can be used";
 }
 
-TEST(OutputWait, is_for_the_line_that_forces_failsafe_and_then_for_recover) {
+TEST(OutputWait, IsForTheLineThatForcesFailsafeAndThenForRecover) {
     Bench bench(list(ibus_input()), list(sbus_output({0}, proof_of(500ms))),
                 {{.role = LineRole::force_failsafe, .outputs = {0}, .debounce = 0ms}});
     LineLevels active = kNoLineActive;
@@ -170,7 +170,7 @@ TEST(OutputWait, is_for_the_line_that_forces_failsafe_and_then_for_recover) {
     EXPECT_EQ(awaited(bench, 800ms), "0.2 of 0.5 s after failsafe was forced");
 }
 
-TEST(OutputWait, is_for_the_input_that_is_nearest_to_control) {
+TEST(OutputWait, IsForTheInputThatIsNearestToControl) {
     Bench bench(list(ibus_input(), ibus_input()), list(sbus_output({0, 1}, proof_of(500ms))));
     EXPECT_EQ(awaited(bench, 50ms), "radio: never seen") << "the preferred one";
     bench.ibus_run(1, at(101ms), at(301ms), us(1500));
@@ -178,7 +178,7 @@ TEST(OutputWait, is_for_the_input_that_is_nearest_to_control) {
 }
 
 /// The whole time of good frames still lies before the radio.
-TEST(OutputWait, is_not_for_an_input_without_a_good_frame_where_another_has_some) {
+TEST(OutputWait, IsNotForAnInputWithoutAGoodFrameWhereAnotherHasSome) {
     InputSettings radio = sbus_input();
     radio.supervision.frame_lost_run = 2s;
     Bench bench(list(std::move(radio), ibus_input()), list(sbus_output({0, 1}, proof_of(500ms))));
@@ -189,7 +189,7 @@ TEST(OutputWait, is_not_for_an_input_without_a_good_frame_where_another_has_some
     EXPECT_EQ(awaited(bench, 300ms), "backup: good for 0.2 of 0.5 s");
 }
 
-TEST(OutputWait, is_not_for_another_node_where_that_does_not_matter) {
+TEST(OutputWait, IsNotForAnotherNodeWhereThatDoesNotMatter) {
     OutputSettings output = sbus_output({0}, proof_of(500ms));
     output.yield_to_foreign_sender = false;
     Bench bench(list(ibus_input()), list(std::move(output)),
@@ -205,13 +205,13 @@ TEST(OutputWait, is_not_for_another_node_where_that_does_not_matter) {
     EXPECT_EQ(awaited(bench, 620ms), "0.0 of 0.5 s after failsafe was forced");
 }
 
-TEST(OutputWait, is_for_what_keeps_its_frames_from_leaving) {
+TEST(OutputWait, IsForWhatKeepsItsFramesFromLeaving) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     bench.engine().output(0).set_device_present(false);
     EXPECT_EQ(awaited(bench, 0ms), "its device, which is gone");
 }
 
-TEST(InputState, is_unproved_until_an_output_can_use_its_frames) {
+TEST(InputState, IsUnprovedUntilAnOutputCanUseItsFrames) {
     Bench bench(list(ibus_input(), ibus_input()), list(sbus_output({0}, proof_of(500ms))));
     for (Duration when = 1ms; when < 490ms; when += 8ms) {
         bench.ibus(0, at(when), us(1500));
@@ -224,7 +224,7 @@ TEST(InputState, is_unproved_until_an_output_can_use_its_frames) {
 }
 
 /// The output of 15 ms takes the frame of 80 ms at 150 ms; only at 165 ms it would be too old.
-TEST(InputState, is_good_while_an_output_is_under_its_control) {
+TEST(InputState, IsGoodWhileAnOutputIsUnderItsControl) {
     OutputSettings output = sbus_output({0});
     output.schedule.period = 15ms;
     Bench bench(list(ibus_input()), list(std::move(output)));
@@ -237,7 +237,7 @@ TEST(InputState, is_good_while_an_output_is_under_its_control) {
 }
 
 /// A DBC output can send it as a signal.
-TEST(CauseOfAFrame, is_not_good_before_the_input_is_in_control) {
+TEST(CauseOfAFrame, IsNotGoodBeforeTheInputIsInControl) {
     Bench bench(list(ibus_input()), list(sbus_output({0}, proof_of(500ms))));
     const auto cause = [&bench](Duration when) {
         bench.said(at(when));
@@ -249,20 +249,20 @@ TEST(CauseOfAFrame, is_not_good_before_the_input_is_in_control) {
     EXPECT_EQ(cause(600ms), LinkCause::good);
 }
 
-TEST(WaitWatch, tells_a_change_after_its_patience) {
+TEST(WaitWatch, TellsAChangeAfterItsPatience) {
     WaitWatch watch;
     EXPECT_EQ(watch.look("silent", false, at(0ms)), "");
     EXPECT_EQ(watch.look("silent", false, at(699ms)), "");
     EXPECT_EQ(watch.look("silent", false, at(700ms)), "silent");
 }
 
-TEST(WaitWatch, tells_a_change_at_once_with_a_change_of_the_state) {
+TEST(WaitWatch, TellsAChangeAtOnceWithAChangeOfTheState) {
     WaitWatch watch;
     EXPECT_EQ(watch.look("silent", true, at(0ms)), "silent");
     EXPECT_EQ(watch.look("", true, at(10ms)), "");
 }
 
-TEST(WaitWatch, says_nothing_of_a_recovery_without_trouble) {
+TEST(WaitWatch, SaysNothingOfARecoveryWithoutTrouble) {
     WaitWatch watch;
     watch.look("silent", true, at(0ms));
     EXPECT_EQ(watch.look("good", false, at(1000ms)), "silent");
@@ -270,7 +270,7 @@ TEST(WaitWatch, says_nothing_of_a_recovery_without_trouble) {
     EXPECT_EQ(watch.look("", true, at(1501ms)), "");
 }
 
-TEST(WaitWatch, has_patience_for_all_things_together_that_it_did_not_tell) {
+TEST(WaitWatch, HasPatienceForAllThingsTogetherThatItDidNotTell) {
     WaitWatch watch;
     watch.look("silent", true, at(0ms));
     watch.look("good", false, at(100ms));

@@ -54,14 +54,14 @@ struct Wire {
     }
 };
 
-TEST(ReadPacer, reads_every_byte_until_it_has_seen_nine_whole_frames_byte_by_byte) {
+TEST(ReadPacer, ReadsEveryByteUntilItHasSeenNineWholeFramesByteByByte) {
     Wire wire;
     for (int i = 0; i < 9; ++i) {
         EXPECT_EQ(wire.frame().reads, kLength) << i;
     }
 }
 
-TEST(ReadPacer, then_reads_the_first_byte_and_the_last_ones) {
+TEST(ReadPacer, ThenReadsTheFirstByteAndTheLastOnes) {
     Wire wire;
     wire.frames(9);
     for (int i = 0; i < 100; ++i) {
@@ -71,7 +71,7 @@ TEST(ReadPacer, then_reads_the_first_byte_and_the_last_ones) {
     }
 }
 
-TEST(ReadPacer, leaves_a_port_alone_that_delivers_frames_in_few_pieces) {
+TEST(ReadPacer, LeavesAPortAloneThatDeliversFramesInFewPieces) {
     Wire wire;
     for (int i = 0; i < 30; ++i) {
         EXPECT_EQ(wire.frame(kLength, 8).reads, 4);
@@ -82,14 +82,14 @@ TEST(ReadPacer, leaves_a_port_alone_that_delivers_frames_in_few_pieces) {
     }
 }
 
-TEST(ReadPacer, stops_when_the_port_begins_to_deliver_in_large_pieces) {
+TEST(ReadPacer, StopsWhenThePortBeginsToDeliverInLargePieces) {
     Wire wire;
     wire.frames(20);
     wire.frame(kLength, 16);
     EXPECT_EQ(wire.frame().reads, kLength);
 }
 
-TEST(ReadPacer, a_frame_of_another_length_makes_it_look_again_at_every_byte) {
+TEST(ReadPacer, AFrameOfAnotherLengthMakesItLookAgainAtEveryByte) {
     Wire wire;
     wire.frames(20);
     wire.frame(40);
@@ -98,7 +98,7 @@ TEST(ReadPacer, a_frame_of_another_length_makes_it_look_again_at_every_byte) {
     EXPECT_LE(wire.frame(40).reads, 4);
 }
 
-TEST(ReadPacer, without_a_pause_before_it_the_first_byte_may_be_any_byte) {
+TEST(ReadPacer, WithoutAPauseBeforeItTheFirstByteMayBeAnyByte) {
     Wire wire;
     wire.frames(20);
     const Instant in_the_middle = wire.frame_start;
@@ -107,7 +107,7 @@ TEST(ReadPacer, without_a_pause_before_it_the_first_byte_may_be_any_byte) {
     EXPECT_EQ(wire.pacer.delivered(1, false, in_the_middle + kByteTime), in_the_middle + kByteTime);
 }
 
-TEST(ReadPacer, never_waits_on_a_port_without_a_wire) {
+TEST(ReadPacer, NeverWaitsOnAPortWithoutAWire) {
     ReadPacer pacer{0ns};
     Instant now{1s};
     for (int frame = 0; frame < 50; ++frame) {
@@ -118,7 +118,7 @@ TEST(ReadPacer, never_waits_on_a_port_without_a_wire) {
     }
 }
 
-TEST(ReadPacer, never_waits_longer_than_a_frame_takes) {
+TEST(ReadPacer, NeverWaitsLongerThanAFrameTakes) {
     Wire wire;
     wire.frames(20);
     const Instant first = wire.frame_start + kByteTime;

@@ -46,14 +46,14 @@ Bytes data_of(const CapturePiece& piece) {
     return {piece.data().begin(), piece.data().end()};
 }
 
-TEST(CaptureRing, is_empty_at_first) {
+TEST(CaptureRing, IsEmptyAtFirst) {
     Memory memory(16);
     const CaptureRing ring = CaptureRing::create(memory.span());
     EXPECT_EQ(ring.end(), 0U);
     EXPECT_TRUE(all_of(ring).empty());
 }
 
-TEST(CaptureRing, keeps_what_was_written_with_its_time) {
+TEST(CaptureRing, KeepsWhatWasWrittenWithItsTime) {
     Memory memory(16);
     CaptureRing ring = CaptureRing::create(memory.span());
     ring.record(counted_bytes(25), Instant(7ms));
@@ -64,7 +64,7 @@ TEST(CaptureRing, keeps_what_was_written_with_its_time) {
     EXPECT_EQ(data_of(pieces[0]), counted_bytes(25));
 }
 
-TEST(CaptureRing, keeps_which_bytes_of_a_read_were_damaged) {
+TEST(CaptureRing, KeepsWhichBytesOfAReadWereDamaged) {
     Memory memory(16);
     CaptureRing ring = CaptureRing::create(memory.span());
     Reception reception;
@@ -79,7 +79,7 @@ TEST(CaptureRing, keeps_which_bytes_of_a_read_were_damaged) {
     EXPECT_EQ(pieces[1].damaged, 1U << 2U);
 }
 
-TEST(CaptureRing, cuts_a_long_read_into_pieces_that_go_on) {
+TEST(CaptureRing, CutsALongReadIntoPiecesThatGoOn) {
     Memory memory(16);
     CaptureRing ring = CaptureRing::create(memory.span());
     Reception reception;
@@ -92,7 +92,7 @@ TEST(CaptureRing, cuts_a_long_read_into_pieces_that_go_on) {
     EXPECT_EQ(pieces[2].count, 20U);
 }
 
-TEST(CaptureRing, keeps_a_can_frame_as_it_was) {
+TEST(CaptureRing, KeepsACanFrameAsItWas) {
     Memory memory(16);
     CaptureRing ring = CaptureRing::create(memory.span());
     CanFrame frame{.id = 0x12345678, .extended = true, .length = 3, .data = {1, 2, 3}};
@@ -100,7 +100,7 @@ TEST(CaptureRing, keeps_a_can_frame_as_it_was) {
     EXPECT_EQ(can_frame_of(all_of(ring).at(0)), frame);
 }
 
-TEST(CaptureRing, holds_one_piece_less_than_its_places) {
+TEST(CaptureRing, HoldsOnePieceLessThanItsPlaces) {
     Memory memory(16);
     CaptureRing ring = CaptureRing::create(memory.span());
     for (std::uint8_t i = 0; i < 40; ++i) {
@@ -112,7 +112,7 @@ TEST(CaptureRing, holds_one_piece_less_than_its_places) {
     EXPECT_EQ(data_of(pieces.back()), Bytes{39});
 }
 
-TEST(CaptureRing, that_was_left_behind_tells_the_same) {
+TEST(CaptureRing, ThatWasLeftBehindTellsTheSame) {
     Memory memory(16);
     CaptureRing ring = CaptureRing::create(memory.span());
     for (std::uint8_t i = 0; i < 20; ++i) {
@@ -123,7 +123,7 @@ TEST(CaptureRing, that_was_left_behind_tells_the_same) {
     EXPECT_EQ(data_of(all_of(*left).back()), Bytes{19});
 }
 
-TEST(CaptureRing, is_not_found_in_other_memory) {
+TEST(CaptureRing, IsNotFoundInOtherMemory) {
     Memory memory(16);
     EXPECT_FALSE(CaptureRing::adopt(memory.span()));
     EXPECT_FALSE(CaptureRing::adopt(memory.span().first(64)));
@@ -131,7 +131,7 @@ TEST(CaptureRing, is_not_found_in_other_memory) {
     EXPECT_FALSE(CaptureRing::adopt(memory.span().first(15 * 64)));
 }
 
-RC_GTEST_PROP(CaptureRing, gives_back_the_newest_of_what_passed, ()) {
+RC_GTEST_PROP(CaptureRing, GivesBackTheNewestOfWhatPassed, ()) {
     const auto places = *rc::gen::inRange<std::size_t>(16, 40);
     const auto lengths = *rc::gen::container<std::vector<std::size_t>>(
         rc::gen::inRange<std::size_t>(1, CapturePiece::kMostBytes + 1));
@@ -153,7 +153,7 @@ RC_GTEST_PROP(CaptureRing, gives_back_the_newest_of_what_passed, ()) {
 
 /// Everything in a piece has the same number. A reader that is sometimes overtaken must never see
 /// two numbers in one piece.
-TEST(CaptureRing, never_shows_a_piece_that_is_half_overwritten) {
+TEST(CaptureRing, NeverShowsAPieceThatIsHalfOverwritten) {
     constexpr std::size_t kPlaces = 128;
     Memory memory(kPlaces);
     CaptureRing ring = CaptureRing::create(memory.span());

@@ -20,7 +20,7 @@ Histogram& record_each_microsecond(Histogram& histogram, int from, int to) {
     return histogram;
 }
 
-TEST(HistogramBuckets, every_start_is_in_its_own_bucket_and_what_is_before_it_in_the_one_before) {
+TEST(HistogramBuckets, EveryStartIsInItsOwnBucketAndWhatIsBeforeItInTheOneBefore) {
     for (std::size_t bucket = 1; bucket < kHistogramBuckets; ++bucket) {
         const Duration start = histogram_bucket_start(bucket);
         EXPECT_EQ(histogram_bucket(start), bucket);
@@ -28,26 +28,26 @@ TEST(HistogramBuckets, every_start_is_in_its_own_bucket_and_what_is_before_it_in
     }
 }
 
-TEST(HistogramBuckets, from_a_microsecond_on_no_bucket_is_wider_than_a_quarter_of_its_start) {
+TEST(HistogramBuckets, FromAMicrosecondOnNoBucketIsWiderThanAQuarterOfItsStart) {
     for (std::size_t bucket = 4; bucket < kHistogramBuckets; ++bucket) {
         const Duration start = histogram_bucket_start(bucket);
         EXPECT_LE(histogram_bucket_start(bucket + 1) - start, start / 4);
     }
 }
 
-TEST(HistogramBuckets, what_is_beyond_the_range_counts_at_its_ends) {
+TEST(HistogramBuckets, WhatIsBeyondTheRangeCountsAtItsEnds) {
     EXPECT_EQ(histogram_bucket(-1s), 0U);
     EXPECT_EQ(histogram_bucket(24h), kHistogramBuckets - 1);
     EXPECT_EQ(histogram_bucket(Duration::max()), kHistogramBuckets - 1);
 }
 
-TEST(Histogram, an_empty_one_has_no_count_and_quantiles_of_zero) {
+TEST(Histogram, AnEmptyOneHasNoCountAndQuantilesOfZero) {
     const Histogram histogram;
     EXPECT_EQ(histogram.since_start().count(), 0U);
     EXPECT_EQ(histogram.since_start().quantile(0.99), 0ns);
 }
 
-TEST(Histogram, quantiles_are_right_to_a_bucket) {
+TEST(Histogram, QuantilesAreRightToABucket) {
     Histogram histogram;
     const HistogramReading all = record_each_microsecond(histogram, 0, 10'000).since_start();
     EXPECT_EQ(all.count(), 10'000U);
@@ -57,14 +57,14 @@ TEST(Histogram, quantiles_are_right_to_a_bucket) {
     }
 }
 
-TEST(Histogram, no_quantile_is_above_the_worst_value_which_is_kept_exactly) {
+TEST(Histogram, NoQuantileIsAboveTheWorstValueWhichIsKeptExactly) {
     Histogram histogram;
     histogram.record(1234567ns, at(0s));
     EXPECT_EQ(histogram.since_start().worst, 1234567ns);
     EXPECT_EQ(histogram.since_start().quantile(1.0), 1234567ns);
 }
 
-TEST(Histogram, the_last_minute_forgets_what_is_older_and_the_start_does_not) {
+TEST(Histogram, TheLastMinuteForgetsWhatIsOlderAndTheStartDoesNot) {
     Histogram histogram;
     histogram.record(5ms, at(0s));
     histogram.record(1ms, at(45s));
@@ -76,14 +76,14 @@ TEST(Histogram, the_last_minute_forgets_what_is_older_and_the_start_does_not) {
     EXPECT_EQ(histogram.since_start().worst, 5ms);
 }
 
-TEST(Histogram, the_last_minute_forgets_also_while_nothing_is_recorded) {
+TEST(Histogram, TheLastMinuteForgetsAlsoWhileNothingIsRecorded) {
     Histogram histogram;
     histogram.record(5ms, at(100s));
     EXPECT_EQ(histogram.last_minute(at(129s)).count(), 1U);
     EXPECT_EQ(histogram.last_minute(at(200s)).count(), 0U);
 }
 
-TEST(Histogram, the_last_minute_never_covers_less_than_half_of_one_nor_more_than_one) {
+TEST(Histogram, TheLastMinuteNeverCoversLessThanHalfOfOneNorMoreThanOne) {
     for (Duration age = 0s; age <= 61s; age += 100ms) {
         for (Duration offset = 0s; offset < 30s; offset += 7300ms) {
             Histogram histogram;
@@ -103,7 +103,7 @@ TEST(Histogram, the_last_minute_never_covers_less_than_half_of_one_nor_more_than
     }
 }
 
-TEST(Histogram, a_bucket_of_the_last_minute_that_is_full_stays_full) {
+TEST(Histogram, ABucketOfTheLastMinuteThatIsFullStaysFull) {
     Histogram histogram;
     for (int i = 0; i < 70'000; ++i) {
         histogram.record(1ms, at(1s));

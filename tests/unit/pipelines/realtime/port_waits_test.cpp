@@ -39,19 +39,19 @@ class PortWaitsTest : public testing::Test {
     ReadyLink link_;
 };
 
-TEST_F(PortWaitsTest, name_the_port_of_both_descriptors) {
+TEST_F(PortWaitsTest, NameThePortOfBothDescriptors) {
     ASSERT_TRUE(waits_.watch(link_, 1, true));
     EXPECT_EQ(ready(waits_), (Ports{1, 1}));
 }
 
-TEST_F(PortWaitsTest, name_nothing_after_the_end_of_the_watch) {
+TEST_F(PortWaitsTest, NameNothingAfterTheEndOfTheWatch) {
     const auto watch = waits_.watch(link_, 1, true);
     ASSERT_TRUE(watch);
     waits_.end(*watch, link_);
     EXPECT_EQ(ready(waits_), Ports{});
 }
 
-TEST_F(PortWaitsTest, name_no_port_for_a_watch_whose_place_belongs_to_another) {
+TEST_F(PortWaitsTest, NameNoPortForAWatchWhosePlaceBelongsToAnother) {
     const auto watch = waits_.watch(link_, 0, true);
     ASSERT_TRUE(watch);
     // The kernel still watches `link_`, as if an end had been forgotten.
@@ -62,7 +62,7 @@ TEST_F(PortWaitsTest, name_no_port_for_a_watch_whose_place_belongs_to_another) {
     EXPECT_EQ(ready(waits_), (Ports{1, 1}));
 }
 
-TEST_F(PortWaitsTest, go_on_in_the_next_loop_with_another_index) {
+TEST_F(PortWaitsTest, GoOnInTheNextLoopWithAnotherIndex) {
     const auto watch = waits_.watch(link_, 1, true);
     ASSERT_TRUE(watch);
     PortWaits next;
@@ -73,7 +73,7 @@ TEST_F(PortWaitsTest, go_on_in_the_next_loop_with_another_index) {
     EXPECT_EQ(ready(next), (Ports{0, 0}));
 }
 
-TEST_F(PortWaitsTest, have_room_for_the_links_of_any_number_of_successors) {
+TEST_F(PortWaitsTest, HaveRoomForTheLinksOfAnyNumberOfSuccessors) {
     auto waits = std::make_unique<PortWaits>();
     ASSERT_TRUE(waits->prepare(3));
     for (int reload = 0; reload < 50; ++reload) {

@@ -11,14 +11,14 @@ namespace tribus::snapshot_test {
 namespace {
 
 /// Before the data thread has published anything, an input was never seen and is not good.
-TEST(SnapshotTest, until_the_first_value_is_published_it_is_a_default_one) {
+TEST(SnapshotTest, UntilTheFirstValueIsPublishedItIsADefaultOne) {
     struct Value {
         int number = 7;
     };
     EXPECT_EQ(Snapshot<Value>().read().number, 7);
 }
 
-TEST(SnapshotTest, a_reader_never_sees_half_of_a_value) {
+TEST(SnapshotTest, AReaderNeverSeesHalfOfAValue) {
     struct Value {
         std::array<std::uint64_t, 40> same{};
     };

@@ -21,7 +21,7 @@ FrameTimes frame_due(Duration due, Duration late, Duration read) {
             .period = 10ms};
 }
 
-TEST(InputTiming, tells_the_age_of_each_frame_when_the_next_one_came) {
+TEST(InputTiming, TellsTheAgeOfEachFrameWhenTheNextOneCame) {
     InputTiming timing;
     timing.frame_came(at(100ms));
     EXPECT_EQ(timing.age().since_start().count(), 0U) << "there was none before";
@@ -31,15 +31,14 @@ TEST(InputTiming, tells_the_age_of_each_frame_when_the_next_one_came) {
     EXPECT_EQ(timing.age().since_start().worst, 9ms);
 }
 
-TEST(OutputTiming, tells_how_late_values_were_taken) {
+TEST(OutputTiming, TellsHowLateValuesWereTaken) {
     OutputTiming timing;
     timing.frame_went(frame_due(100ms, 300us, 99ms));
     EXPECT_EQ(timing.lateness().since_start().count(), 1U);
     EXPECT_EQ(timing.lateness().since_start().worst, 300us);
 }
 
-TEST(OutputTiming,
-     a_frame_misses_its_deadline_where_it_is_late_by_more_than_a_tenth_of_its_period) {
+TEST(OutputTiming, AFrameMissesItsDeadlineWhereItIsLateByMoreThanATenthOfItsPeriod) {
     OutputTiming timing;
     timing.frame_went(frame_due(100ms, 1ms, 99ms));
     EXPECT_EQ(timing.deadline_misses(), 0U);
@@ -49,7 +48,7 @@ TEST(OutputTiming,
     EXPECT_EQ(timing.deadline_misses(), 2U);
 }
 
-TEST(OutputTiming, tells_the_latency_of_values_where_they_are_handed_over_first) {
+TEST(OutputTiming, TellsTheLatencyOfValuesWhereTheyAreHandedOverFirst) {
     OutputTiming timing;
     timing.frame_went(frame_due(100ms, 0ms, 97ms));
     EXPECT_EQ(timing.latency().since_start().worst, 3ms + 20us);
@@ -59,7 +58,7 @@ TEST(OutputTiming, tells_the_latency_of_values_where_they_are_handed_over_first)
     EXPECT_EQ(timing.latency().since_start().count(), 2U);
 }
 
-TEST(OutputTiming, presets_have_no_latency) {
+TEST(OutputTiming, PresetsHaveNoLatency) {
     OutputTiming timing;
     timing.frame_went(frame_due(100ms, 0ms, 97ms));
     timing.frame_went(frame_due(110ms, 0ms, 0ms));

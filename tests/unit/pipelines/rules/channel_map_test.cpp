@@ -44,12 +44,12 @@ ChannelRule first_from_first() {
     return {.output = 0, .source = FromChannel{0}};
 }
 
-TEST(ChannelMap, without_rules_a_frame_passes_unchanged) {
+TEST(ChannelMap, WithoutRulesAFramePassesUnchanged) {
     ChannelMap map({});
     EXPECT_TRUE(map.apply(ladder(), kNow).same_content(ladder()));
 }
 
-TEST(ChannelMap, reverse_trim_and_limits_are_the_same_for_every_pulse_with_and_without_a_slew) {
+TEST(ChannelMap, ReverseTrimAndLimitsAreTheSameForEveryPulseWithAndWithoutASlew) {
     for (const bool reverse : {false, true}) {
         for (const int trim_us : {-4000, -25, 0, 25, 4000}) {
             ChannelRule rule = first_from_first();
@@ -70,7 +70,7 @@ TEST(ChannelMap, reverse_trim_and_limits_are_the_same_for_every_pulse_with_and_w
     }
 }
 
-TEST(ChannelMap, channels_can_be_swapped_since_all_read_the_input) {
+TEST(ChannelMap, ChannelsCanBeSwappedSinceAllReadTheInput) {
     ChannelMap map(std::vector<ChannelRule>{{.output = 0, .source = FromChannel{1}},
                                             {.output = 1, .source = FromChannel{0}}});
     const ChannelFrame out = map.apply(ladder(), kNow);
@@ -79,7 +79,7 @@ TEST(ChannelMap, channels_can_be_swapped_since_all_read_the_input) {
     EXPECT_EQ(out.channel(2), us(1030));
 }
 
-TEST(ChannelMap, an_absent_source_makes_an_absent_channel) {
+TEST(ChannelMap, AnAbsentSourceMakesAnAbsentChannel) {
     ChannelFrame input = ladder();
     input.remove(4);
     ChannelMap map(
@@ -93,7 +93,7 @@ TEST(ChannelMap, an_absent_source_makes_an_absent_channel) {
 }
 
 /// A receiver may send other channels in each frame: nothing of the frame before may count.
-TEST(ChannelMap, a_channel_is_absent_in_each_frame_whose_own_source_is_absent) {
+TEST(ChannelMap, AChannelIsAbsentInEachFrameWhoseOwnSourceIsAbsent) {
     for (const std::size_t source : {std::size_t{3}, std::size_t{5}}) {
         ChannelMap map = map_of({.output = 3, .source = FromChannel{source}, .max = us(2100)});
         for (const std::uint32_t absent : {0x3C000U, 0x00008U, 0x00020U, 0x00001U, 0U, 0x3C000U}) {
@@ -107,7 +107,7 @@ TEST(ChannelMap, a_channel_is_absent_in_each_frame_whose_own_source_is_absent) {
     }
 }
 
-TEST(ChannelMap, a_channel_that_the_receiver_lacks_is_there_where_a_rule_fills_it) {
+TEST(ChannelMap, AChannelThatTheReceiverLacksIsThereWhereARuleFillsIt) {
     ChannelFrame input = ladder();
     input.remove(14);
     input.remove(15);
@@ -117,14 +117,14 @@ TEST(ChannelMap, a_channel_that_the_receiver_lacks_is_there_where_a_rule_fills_i
     EXPECT_FALSE(out.has(15));
 }
 
-TEST(ChannelMap, flags_pass) {
+TEST(ChannelMap, FlagsPass) {
     ChannelFrame input = ladder();
     input.frame_lost = true;
     ChannelMap map({});
     EXPECT_TRUE(map.apply(input, kNow).frame_lost);
 }
 
-TEST(ChannelMap, reverse_mirrors_at_1500_exactly) {
+TEST(ChannelMap, ReverseMirrorsAt1500Exactly) {
     ChannelMap map = map_of({.output = 0, .source = FromChannel{0}, .reverse = true});
     for (int eighths = 880 * 8; eighths <= 2160 * 8; ++eighths) {
         const ChannelFrame out = map.apply(with_first(Pulse::from_eighths(eighths)), kNow);
@@ -132,14 +132,14 @@ TEST(ChannelMap, reverse_mirrors_at_1500_exactly) {
     }
 }
 
-TEST(ChannelMap, trim_adds) {
+TEST(ChannelMap, TrimAdds) {
     ChannelRule rule = first_from_first();
     rule.trim = us(12);
     ChannelMap map = map_of(rule);
     EXPECT_EQ(first_us(map, us(1500)), 1512);
 }
 
-TEST(ChannelMap, reverse_comes_before_trim) {
+TEST(ChannelMap, ReverseComesBeforeTrim) {
     ChannelRule rule = first_from_first();
     rule.reverse = true;
     rule.trim = us(12);
@@ -147,7 +147,7 @@ TEST(ChannelMap, reverse_comes_before_trim) {
     EXPECT_EQ(first_us(map, us(1400)), 1612);
 }
 
-TEST(ChannelMap, min_and_max_come_last) {
+TEST(ChannelMap, MinAndMaxComeLast) {
     ChannelRule rule = first_from_first();
     rule.trim = us(200);
     rule.min = us(1100);
@@ -158,7 +158,7 @@ TEST(ChannelMap, min_and_max_come_last) {
     EXPECT_EQ(first_us(map, us(1500)), 1700);
 }
 
-TEST(ChannelMap, deadband_reads_as_centre_and_keeps_full_travel_without_a_step) {
+TEST(ChannelMap, DeadbandReadsAsCentreAndKeepsFullTravelWithoutAStep) {
     ChannelRule rule = first_from_first();
     rule.deadband = us(50);
     ChannelMap map = map_of(rule);
@@ -177,7 +177,7 @@ TEST(ChannelMap, deadband_reads_as_centre_and_keeps_full_travel_without_a_step) 
     }
 }
 
-TEST(ChannelMap, expo_softens_the_middle_and_keeps_centre_and_ends) {
+TEST(ChannelMap, ExpoSoftensTheMiddleAndKeepsCentreAndEnds) {
     ChannelRule rule = first_from_first();
     rule.expo = 0.3;
     ChannelMap map = map_of(rule);
@@ -189,7 +189,7 @@ TEST(ChannelMap, expo_softens_the_middle_and_keeps_centre_and_ends) {
     EXPECT_EQ(first_us(map, us(2100)), 2100);
 }
 
-TEST(ChannelMap, mix_adds_weighted_deviations) {
+TEST(ChannelMap, MixAddsWeightedDeviations) {
     ChannelMap map = map_of({.output = 0, .source = Mix{{{1, 0.5}, {2, -0.5}}}});
     ChannelFrame input = ladder();
     input.set(1, us(1900));
@@ -199,7 +199,7 @@ TEST(ChannelMap, mix_adds_weighted_deviations) {
 }
 
 /// 1500 + 10 * 500 us is 6500 us, more than a Pulse can be.
-TEST(ChannelMap, a_mix_beyond_the_range_of_a_pulse_is_limited_after_all_steps_and_not_before) {
+TEST(ChannelMap, AMixBeyondTheRangeOfAPulseIsLimitedAfterAllStepsAndNotBefore) {
     ChannelRule rule = {.output = 0, .source = Mix{{{0, 10.0}}}};
     rule.trim = us(-500);
     ChannelMap trimmed = map_of(rule);
@@ -215,19 +215,19 @@ TEST(ChannelMap, a_mix_beyond_the_range_of_a_pulse_is_limited_after_all_steps_an
     EXPECT_EQ(limited.apply(with_first(us(2000)), kNow).channel(0), us(900));
 }
 
-TEST(ChannelMap, a_slew_behind_such_a_mix_is_never_further_away_than_the_range_of_a_pulse) {
+TEST(ChannelMap, ASlewBehindSuchAMixIsNeverFurtherAwayThanTheRangeOfAPulse) {
     ChannelMap map = map_of({.output = 0, .source = Mix{{{0, 10.0}}}, .slew_us_per_second = 1000});
     map.apply(with_first(us(2000)), kNow);
     EXPECT_EQ(map.apply(with_first(us(1500)), kNow + 100ms).channel(0),
               Pulse::from_eighths(INT16_MAX - 800));
 }
 
-TEST(ChannelMap, fixed_ignores_the_input) {
+TEST(ChannelMap, FixedIgnoresTheInput) {
     ChannelMap map = map_of({.output = 15, .source = Fixed{us(1234)}});
     EXPECT_EQ(map.apply(ChannelFrame{}, kNow).channel(15), us(1234));
 }
 
-TEST(ChannelMap, a_switch_is_on_only_beyond_its_limit) {
+TEST(ChannelMap, ASwitchIsOnOnlyBeyondItsLimit) {
     ChannelMap above = map_of({.output = 0, .source = Switch{.channel = 0, .above = us(1700)}});
     EXPECT_EQ(first_us(above, us(1700)), 1000);
     EXPECT_EQ(first_us(above, us(1701)), 2000);
@@ -236,7 +236,7 @@ TEST(ChannelMap, a_switch_is_on_only_beyond_its_limit) {
     EXPECT_EQ(first_us(below, us(1299)), 2000);
 }
 
-TEST(ChannelMap, a_switch_with_two_limits_is_on_outside_of_them) {
+TEST(ChannelMap, ASwitchWithTwoLimitsIsOnOutsideOfThem) {
     ChannelMap map =
         map_of({.output = 0, .source = Switch{.channel = 0, .above = us(1700), .below = us(1300)}});
     EXPECT_EQ(first_us(map, us(1299)), 2000);
@@ -245,7 +245,7 @@ TEST(ChannelMap, a_switch_with_two_limits_is_on_outside_of_them) {
     EXPECT_EQ(first_us(map, us(1701)), 2000);
 }
 
-TEST(ChannelMap, slew_limits_the_speed_from_the_second_value_on) {
+TEST(ChannelMap, SlewLimitsTheSpeedFromTheSecondValueOn) {
     ChannelRule rule = first_from_first();
     rule.slew_us_per_second = 2000;
     ChannelMap map = map_of(rule);
@@ -256,7 +256,7 @@ TEST(ChannelMap, slew_limits_the_speed_from_the_second_value_on) {
     EXPECT_EQ(first_us(map, us(1000), Instant(3s)), 1000);
 }
 
-TEST(ChannelMap, slew_goes_on_from_presets) {
+TEST(ChannelMap, SlewGoesOnFromPresets) {
     ChannelRule rule = first_from_first();
     rule.slew_us_per_second = 1000;
     ChannelMap map = map_of(rule);
@@ -265,7 +265,7 @@ TEST(ChannelMap, slew_goes_on_from_presets) {
     EXPECT_EQ(first_us(map, us(2000), Instant(2s + 12ms)), 1000);
 }
 
-TEST(ChannelMap, a_slew_does_not_begin_anew_where_what_was_said_lacks_its_channel) {
+TEST(ChannelMap, ASlewDoesNotBeginAnewWhereWhatWasSaidLacksItsChannel) {
     ChannelMap map = map_of({.source = FromChannel{0}, .slew_us_per_second = 1000});
     EXPECT_EQ(first_us(map, us(2000)), 2000);
     ChannelFrame said = ladder();

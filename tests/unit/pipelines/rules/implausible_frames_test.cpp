@@ -8,7 +8,7 @@ namespace {
 
 constexpr PulseRange kUsual{Pulse::from_microseconds(900), Pulse::from_microseconds(2100)};
 
-TEST(ImplausibleFrames, name_the_first_channel_outside_the_range) {
+TEST(ImplausibleFrames, NameTheFirstChannelOutsideTheRange) {
     const Link link = Link({.plausible = kUsual}).moving(70ms).same(84ms, sticks(2158));
     const ImplausibleFrames& implausible = link.supervisor().implausible();
     EXPECT_EQ(implausible.frames, 2U);
@@ -18,7 +18,7 @@ TEST(ImplausibleFrames, name_the_first_channel_outside_the_range) {
     EXPECT_EQ(implausible.plausible, kUsual);
 }
 
-TEST(ImplausibleFrames, name_a_raw_zero_behind_a_loss_without_a_range) {
+TEST(ImplausibleFrames, NameARawZeroBehindALossWithoutARange) {
     const Link link = Link({.raw_zero = kRawZero}).same(7ms, sticks(880));
     const ImplausibleFrames& implausible = link.supervisor().implausible();
     EXPECT_EQ(implausible.frames, 1U);
@@ -27,7 +27,7 @@ TEST(ImplausibleFrames, name_a_raw_zero_behind_a_loss_without_a_range) {
     EXPECT_EQ(implausible.plausible, std::nullopt);
 }
 
-TEST(ImplausibleFrames, name_the_channel_outside_the_range_where_another_has_a_raw_zero) {
+TEST(ImplausibleFrames, NameTheChannelOutsideTheRangeWhereAnotherHasARawZero) {
     ChannelFrame frame = sticks(2158);
     frame.set(0, kRawZero);
     const PulseRange wide{us(800), us(2100)};
@@ -35,7 +35,7 @@ TEST(ImplausibleFrames, name_the_channel_outside_the_range_where_another_has_a_r
     EXPECT_EQ(link.supervisor().implausible().channel, 2U);
 }
 
-TEST(ImplausibleFrames, are_none_where_all_values_are_plausible) {
+TEST(ImplausibleFrames, AreNoneWhereAllValuesArePlausible) {
     const Link link = Link({.plausible = kUsual}).moving(70ms);
     EXPECT_EQ(link.supervisor().implausible().frames, 0U);
 }

@@ -7,7 +7,7 @@
 namespace tribus::test::line_words_test {
 namespace {
 
-TEST(LineLevels, tell_whether_a_line_is_active_until_it_cannot_be_read) {
+TEST(LineLevels, TellWhetherALineIsActiveUntilItCannotBeRead) {
     LineLevels levels;
     levels.set(3, true);
     EXPECT_EQ(levels.of(3), true);
@@ -17,7 +17,7 @@ TEST(LineLevels, tell_whether_a_line_is_active_until_it_cannot_be_read) {
     EXPECT_EQ(levels.of(3), std::nullopt);
 }
 
-TEST(LineLevels, of_other_lines_stay) {
+TEST(LineLevels, StayForOtherLines) {
     LineLevels levels = kNoLineActive;
     levels.set(31, true);
     levels.set(0, std::nullopt);

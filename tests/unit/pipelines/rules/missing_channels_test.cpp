@@ -16,21 +16,21 @@ ChannelFrame only_the_first(std::size_t count) {
     return frame;
 }
 
-TEST(MissingChannels, are_a_loss_with_the_first_frame) {
+TEST(MissingChannels, AreALossWithTheFirstFrame) {
     const Link link = Link(kMeantAfterHalfASecond).moving(70ms).same(77ms, only_the_first(15));
     EXPECT_EQ(link.cause(77ms), LinkCause::channels_missing);
     EXPECT_FALSE(link.supervisor().alive(at(77ms)));
     EXPECT_EQ(link.supervisor().lost_at(), at(70ms));
 }
 
-TEST(MissingChannels, that_are_back_begin_a_new_run) {
+TEST(MissingChannels, ThatAreBackBeginANewRun) {
     const Link link =
         Link(kMeantAfterHalfASecond).moving(70ms).same(140ms, only_the_first(1)).moving(210ms);
     EXPECT_EQ(link.cause(210ms), LinkCause::good);
     EXPECT_EQ(link.supervisor().run_start(), at(140ms));
 }
 
-TEST(MissingChannels, are_meant_when_the_same_ones_stayed_away_for_long_enough) {
+TEST(MissingChannels, AreMeantWhenTheSameOnesStayedAwayForLongEnough) {
     Link link = Link(kMeantAfterHalfASecond).moving(70ms);
     link.same(567ms, only_the_first(4));
     EXPECT_EQ(link.cause(567ms), LinkCause::channels_missing);
@@ -40,25 +40,25 @@ TEST(MissingChannels, are_meant_when_the_same_ones_stayed_away_for_long_enough) 
     EXPECT_EQ(link.supervisor().control().absent(), only_the_first(4).absent());
 }
 
-TEST(MissingChannels, that_are_others_each_time_are_never_meant) {
+TEST(MissingChannels, ThatAreOthersEachTimeAreNeverMeant) {
     const Link link = Link(kMeantAfterHalfASecond).moving(70ms).frames(5s, [](std::int64_t n) {
         return only_the_first(n % 2 == 0 ? 4 : 5);
     });
     EXPECT_EQ(link.cause(5s), LinkCause::channels_missing);
 }
 
-TEST(MissingChannels, count_their_time_anew_behind_a_frame_with_all) {
+TEST(MissingChannels, CountTheirTimeAnewBehindAFrameWithAll) {
     Link link = Link(kMeantAfterHalfASecond).moving(70ms);
     link.same(490ms, only_the_first(4)).same(497ms, sticks()).same(980ms, only_the_first(4));
     EXPECT_EQ(link.cause(980ms), LinkCause::channels_missing);
 }
 
-TEST(MissingChannels, are_no_loss_of_a_sender_that_never_had_them) {
+TEST(MissingChannels, AreNoLossOfASenderThatNeverHadThem) {
     EXPECT_EQ(Link(kMeantAfterHalfASecond).same(70ms, only_the_first(4)).cause(70ms),
               LinkCause::good);
 }
 
-TEST(MissingChannels, of_frames_without_any_are_never_meant) {
+TEST(MissingChannels, AreNeverMeantIfFramesHaveNone) {
     const Link never = Link(kMeantAfterHalfASecond).same(5s, only_the_first(0));
     EXPECT_EQ(never.cause(5s), LinkCause::channels_missing);
     EXPECT_FALSE(never.supervisor().ever_good());
@@ -68,7 +68,7 @@ TEST(MissingChannels, of_frames_without_any_are_never_meant) {
 }
 
 /// A DBC signal with `optional = true` whose sender has no value for a while.
-TEST(MissingChannels, that_are_optional_are_no_loss_however_they_come_and_go) {
+TEST(MissingChannels, ThatAreOptionalAreNoLossHoweverTheyComeAndGo) {
     constexpr SupervisionSettings kOptionalEighth{.fewer_channels_after = 500ms,
                                                   .optional_channels = 1U << 7U};
     for (const Duration each : {100ms, 200ms, 500ms, 1000ms, 2000ms}) {
@@ -90,14 +90,14 @@ TEST(MissingChannels, that_are_optional_are_no_loss_however_they_come_and_go) {
 }
 
 /// A box of buttons: all of its signals are optional.
-TEST(MissingChannels, that_are_all_optional_are_no_loss_together) {
+TEST(MissingChannels, ThatAreAllOptionalAreNoLossTogether) {
     Link link({.optional_channels = (1U << kChannelCount) - 1});
     link.moving(70ms).same(5s, only_the_first(0));
     EXPECT_EQ(link.cause(5s), LinkCause::good);
     EXPECT_FALSE(link.supervisor().control().has_any());
 }
 
-TEST(MissingChannels, that_are_not_optional_are_a_loss_beside_those_that_are) {
+TEST(MissingChannels, ThatAreNotOptionalAreALossBesideThoseThatAre) {
     Link link({.fewer_channels_after = 500ms, .optional_channels = 1U << 7U});
     link.moving(70ms).frames(490ms, [](std::int64_t n) {
         ChannelFrame frame = only_the_first(15);

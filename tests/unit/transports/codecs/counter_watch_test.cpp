@@ -141,7 +141,7 @@ TEST(CounterWatch, OldFramesInARingAfterALiveSenderAreNeverBelievedUnlessTheyAre
     }
 }
 
-TEST(CounterWatch, OfARingThatComesFirstOnlyTheFirstRoundIsBelieved) {
+TEST(CounterWatch, BelievesOnlyTheFirstRoundOfARingThatComesFirst) {
     for (std::uint64_t length = 3; length < 16; ++length) {
         CounterWatch watch{{.values = 16, .most_step = 3, .silence = kSilence}};
         EXPECT_EQ(

@@ -41,17 +41,17 @@ bool two_seen(const std::vector<Sender>& senders, std::uint32_t seed = 1) {
     return watch.two_senders();
 }
 
-TEST(TwoSenderWatch, sees_a_second_sender_that_is_rarer) {
+TEST(TwoSenderWatch, SeesASecondSenderThatIsRarer) {
     EXPECT_TRUE(two_seen({{20ms}, {100ms, 16ms}}));
     EXPECT_TRUE(two_seen({{10ms, 0ms, 100us}, {40ms, 2ms, 100us}}));
 }
 
-TEST(TwoSenderWatch, sees_a_second_sender_of_nearly_the_same_rate) {
+TEST(TwoSenderWatch, SeesASecondSenderOfNearlyTheSameRate) {
     EXPECT_TRUE(two_seen({{20ms}, {23ms, 5ms}}));
     EXPECT_TRUE(two_seen({{20ms, 0ms, 200us}, {20ms, 4ms, 200us}}));
 }
 
-TEST(TwoSenderWatch, takes_no_single_sender_for_two_however_it_jitters_and_loses) {
+TEST(TwoSenderWatch, TakesNoSingleSenderForTwoHoweverItJittersAndLoses) {
     for (const Duration period : {2ms, 10ms, 20ms, 100ms}) {
         for (const int jitter_percent : {0, 1, 2, 5, 10, 20, 50, 100}) {
             for (const unsigned lost : {0U, 1U, 10U, 30U, 50U}) {
@@ -65,7 +65,7 @@ TEST(TwoSenderWatch, takes_no_single_sender_for_two_however_it_jitters_and_loses
     }
 }
 
-TEST(TwoSenderWatch, says_nothing_before_enough_arrivals) {
+TEST(TwoSenderWatch, SaysNothingBeforeEnoughArrivals) {
     TwoSenderWatch watch;
     for (int i = 0; i < 31; ++i) {
         watch.arrived(Instant(i * 20ms));
@@ -74,7 +74,7 @@ TEST(TwoSenderWatch, says_nothing_before_enough_arrivals) {
     EXPECT_FALSE(watch.two_senders());
 }
 
-TEST(TwoSenderWatch, remembers_what_it_saw) {
+TEST(TwoSenderWatch, RemembersWhatItSaw) {
     TwoSenderWatch watch;
     for (int i = 0; i < 32; ++i) {
         watch.arrived(Instant(i * 20ms));

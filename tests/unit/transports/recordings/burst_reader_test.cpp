@@ -59,7 +59,7 @@ std::string told(Pieces& content, RecordingKind kind) {
     return burst ? text : text + burst.error();
 }
 
-TEST(BurstReader, says_the_same_whatever_the_pieces_are) {
+TEST(BurstReader, SaysTheSameWhateverThePiecesAre) {
     for (const std::string_view content : {kTimed, kHex, kSaleae, kMistaken}) {
         OnePiece whole(content);
         const auto kind = detect_recording_kind(whole, "f");
@@ -75,7 +75,7 @@ TEST(BurstReader, says_the_same_whatever_the_pieces_are) {
     }
 }
 
-TEST(BurstReader, gives_raw_bytes_piece_by_piece) {
+TEST(BurstReader, GivesRawBytesPieceByPiece) {
     for (std::size_t size = 1; size <= kRaw.size(); ++size) {
         SmallPieces pieces(kRaw, size);
         ASSERT_EQ(detect_recording_kind(pieces, "f"), RecordingKind::raw);
@@ -89,7 +89,7 @@ TEST(BurstReader, gives_raw_bytes_piece_by_piece) {
     }
 }
 
-TEST(CandumpFrames, are_the_same_whatever_the_pieces_are) {
+TEST(CandumpFrames, AreTheSameWhateverThePiecesAre) {
     const auto whole = parse_recording(kCandump, "f");
     ASSERT_TRUE(whole);
     ASSERT_EQ(whole->can_frames.size(), 2U);
@@ -108,7 +108,7 @@ TEST(CandumpFrames, are_the_same_whatever_the_pieces_are) {
     }
 }
 
-TEST(Oddities, have_their_place_whatever_the_pieces_are) {
+TEST(Oddities, HaveTheirPlaceWhateverThePiecesAre) {
     constexpr std::string_view kOdd = "# \xC3\xA9 fine\n20 40\n20 \x01 40 \xC3\xA9\n";
     for (std::size_t size = 1; size <= kOdd.size(); ++size) {
         SmallPieces pieces(kOdd, size);

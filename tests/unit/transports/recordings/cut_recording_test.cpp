@@ -32,7 +32,7 @@ constexpr std::string_view kCutByte =
     "is not a byte; a byte is two hex digits, with a space between bytes: 20 40 dc 05; the file "
     "ends in this line, as a loss of power leaves it; the lines above are read";
 
-TEST(CutRecording, OfBytesIsReadUpToTheLineThatIsCut) {
+TEST(CutRecording, WithBytesIsReadUpToTheLineThatIsCut) {
     for (const std::string start : {"", "0 ", "9000 "}) {
         const bool timed = !start.empty();
         const std::string heading = timed ? "# t_us  bytes\n" : "# bytes\n";
@@ -44,7 +44,7 @@ TEST(CutRecording, OfBytesIsReadUpToTheLineThatIsCut) {
     }
 }
 
-TEST(CutRecording, OfCanFramesIsReadUpToTheLineThatIsCut) {
+TEST(CutRecording, WithCanFramesIsReadUpToTheLineThatIsCut) {
     const Recording recording = parsed("(1.0) can0 300#00\n(1.01) can0 304#CB0");
     EXPECT_EQ(recording.can_frames.size(), 1U);
     EXPECT_EQ(recording.rest,
@@ -52,7 +52,7 @@ TEST(CutRecording, OfCanFramesIsReadUpToTheLineThatIsCut) {
               "as a loss of power leaves it; the lines above are read");
 }
 
-TEST(CutRecording, OfAnAnalyserIsReadUpToTheRowThatIsCut) {
+TEST(CutRecording, FromAnAnalyserIsReadUpToTheRowThatIsCut) {
     const Recording recording =
         parsed("Time [s],Value,Parity Error,Framing Error\n0.001,0x20,,\n0.1,0x40,,\n0.2,0x");
     EXPECT_EQ(recording.bursts.size(), 2U);
@@ -84,13 +84,13 @@ TEST(CutRecording, EndsAtNulBytesWhateverTheirNumber) {
     }
 }
 
-TEST(CutRecording, OfRawBytesMayEndWithNulBytes) {
+TEST(CutRecording, WithRawBytesMayEndWithNulBytes) {
     const std::string sbus = "\x0f"s + std::string(22, '\x04') + "\n\0\0"s;
     EXPECT_EQ(parsed(sbus).kind, RecordingKind::raw);
     EXPECT_EQ(parsed(std::string(100, '\0')).kind, RecordingKind::raw);
 }
 
-TEST(RecordingLine, OfMoreThanAMebibyteIsRefused) {
+TEST(RecordingLine, IsRefusedIfLongerThanAMebibyte) {
     std::string line = "20 40\n";
     while (line.size() <= recording_text::kLongestLine + 6) {
         line += "20 40 dc 05 ";
@@ -143,7 +143,7 @@ std::optional<TimeGap> gap_in(std::string_view content) {
     return recording.gap();
 }
 
-TEST(TimeGaps, OfMoreThanAnHourHaveTheirLine) {
+TEST(TimeGaps, HaveTheirLineIfLongerThanAnHour) {
     const auto log = gap_in("(10.0) can0 1F0#\n# a comment\n(1700000000.0) can0 1F0#\n");
     ASSERT_TRUE(log);
     EXPECT_EQ(gap_text("f", *log),

@@ -41,14 +41,14 @@ INSTANTIATE_TEST_SUITE_P(Usual, LineJudgeAtAPort,
 INSTANTIATE_TEST_SUITE_P(Further, LineJudgeAtAPort,
                          testing::Values(kLumpsWaitingForIdle, kEachByteAtOnce));
 
-TEST(LineJudge, takes_no_byte_for_silence) {
+TEST(LineJudge, TakesNoByteForSilence) {
     const auto heard = heard_of(Wire({.line = kIbusLine}), {});
     const LineStory story = judge_line(heard);
     EXPECT_EQ(story.sound, LineSound::silence);
     EXPECT_EQ(story.listened, static_cast<int>(heard.size()) * test::kRecordedTime);
 }
 
-TEST_P(LineJudgeAtAPort, takes_noise_for_nothing_known) {
+TEST_P(LineJudgeAtAPort, TakesNoiseForNothingKnown) {
     std::mt19937 random(7);
     Wire wire({.line = {.baud = 300'000}});
     for (int burst = 0; burst < 100; ++burst) {
@@ -59,7 +59,7 @@ TEST_P(LineJudgeAtAPort, takes_noise_for_nothing_known) {
     EXPECT_EQ(judge_line(heard_of(wire, GetParam())).sound, LineSound::unknown);
 }
 
-TEST_P(LineJudgeAtAPort, knows_sbus_with_24_channels_as_what_it_cannot_read) {
+TEST_P(LineJudgeAtAPort, KnowsSbusWith24ChannelsAsWhatItCannotRead) {
     const std::vector<std::uint8_t> frame = test::from_hex(test::kCentred24);
     Wire wire({.line = kSbusLine});
     for (int i = 0; i < 100; ++i) {
@@ -70,7 +70,7 @@ TEST_P(LineJudgeAtAPort, knows_sbus_with_24_channels_as_what_it_cannot_read) {
     EXPECT_EQ(story.protocol, "");
 }
 
-TEST(LineJudge, knows_ibus2_as_what_it_cannot_read) {
+TEST(LineJudge, KnowsIbus2AsWhatItCannotRead) {
     const std::string hex =
         "000f07f9770080990f00000000"
         "00e7000f07f96f00da990f0000000000"
@@ -104,7 +104,7 @@ LineStory sbus_story(std::uint16_t centre, std::uint16_t low, std::uint16_t high
     return judge_line(std::span(&heard, 1));
 }
 
-TEST(LineJudge, tells_the_scales_of_sbus_apart) {
+TEST(LineJudge, TellsTheScalesOfSbusApart) {
     EXPECT_EQ(sbus_story(992, 192, 1792).scale.name, "betaflight");
     EXPECT_EQ(sbus_story(992, 172, 1811).scale.name, "frsky");
     EXPECT_EQ(sbus_story(1024, 352, 1696).scale.name, "futaba");
@@ -112,21 +112,21 @@ TEST(LineJudge, tells_the_scales_of_sbus_apart) {
     EXPECT_EQ(sbus_story(1001, 201, 1801).scale.name, "ardupilot");
 }
 
-TEST(LineJudge, says_where_the_scale_cannot_be_known) {
+TEST(LineJudge, SaysWhereTheScaleCannotBeKnown) {
     const LineStory story = sbus_story(600, 500, 700);
     EXPECT_EQ(story.scale.name, "");
     EXPECT_NE(story.scale.reason.find("cannot be determined"), std::string::npos);
 }
 
 /// Futaba's scale: raw 352 is 1000 us, raw 1696 is 2000 us (docs/protocols/sbus.md, "Scales").
-TEST(LineJudge, recommends_no_scale_with_which_a_value_is_not_plausible) {
+TEST(LineJudge, RecommendsNoScaleWithWhichAValueIsNotPlausible) {
     const LineStory story = sbus_story(1024, 352, 1696, 0, 0);
     EXPECT_EQ(story.scale.name, "");
     EXPECT_NE(story.scale.reason.find("with it channel 12 is at 738.125 us"), std::string::npos)
         << story.scale.reason;
 }
 
-TEST(LineJudge, counts_the_flags_of_sbus) {
+TEST(LineJudge, CountsTheFlagsOfSbus) {
     const LineStory lost = sbus_story(992, 192, 1792, 0x04);
     EXPECT_EQ(lost.frame_lost, 30U);
     EXPECT_EQ(lost.failsafe, 0U);
@@ -180,7 +180,7 @@ LineSettings level(LineSettings line) {
     return line;
 }
 
-TEST_P(LineJudgeAtAPort, knows_every_protocol_that_can_be_written) {
+TEST_P(LineJudgeAtAPort, KnowsEveryProtocolThatCanBeWritten) {
     for (const Protocol* protocol : written_protocols()) {
         const Wire wire =
             on_a_wire(encoded(*protocol, milliseconds(10)), {.sender = {level(protocol->line)}});
@@ -193,8 +193,7 @@ TEST_P(LineJudgeAtAPort, knows_every_protocol_that_can_be_written) {
 }
 
 /// Frames of MAVLink differ in their second byte already.
-TEST_P(LineJudgeAtAPort,
-       knows_every_protocol_that_can_be_written_inverted_by_how_its_frames_begin) {
+TEST_P(LineJudgeAtAPort, KnowsEveryProtocolThatCanBeWrittenInvertedByHowItsFramesBegin) {
     for (const Protocol* protocol : written_protocols()) {
         if (protocol->beginnings.empty()) {
             EXPECT_EQ(protocol->name, "mavlink");
@@ -209,7 +208,7 @@ TEST_P(LineJudgeAtAPort,
     }
 }
 
-TEST(LineJudge, knows_crsf_at_the_rates_to_which_receivers_are_set) {
+TEST(LineJudge, KnowsCrsfAtTheRatesToWhichReceiversAreSet) {
     const Recording crsf = encoded(*find_protocol("crsf"), milliseconds(7));
     for (const std::uint32_t baud : {115'200U, 400'000U, 416'666U, 420'000U, 460'800U, 921'600U}) {
         const LineStory story =

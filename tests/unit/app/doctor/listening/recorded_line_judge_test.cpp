@@ -67,7 +67,7 @@ SentAs ibus_sent(bool inverted = false) {
     return {.sender = {.line = kIbusLine, .inverted = inverted}, .pause_bits = 1};
 }
 
-TEST_P(RecordedLineAtAPort, knows_ibus_of_14_channels) {
+TEST_P(RecordedLineAtAPort, KnowsIbusOf14Channels) {
     for (const std::string& name : kIbus14) {
         const LineStory story = story_of(name, ibus_sent());
         EXPECT_EQ(story.sound, LineSound::frames);
@@ -78,7 +78,7 @@ TEST_P(RecordedLineAtAPort, knows_ibus_of_14_channels) {
     }
 }
 
-TEST_P(RecordedLineAtAPort, knows_ibus_of_18_channels) {
+TEST_P(RecordedLineAtAPort, KnowsIbusOf18Channels) {
     const LineStory story = story_of(kIbus18, ibus_sent());
     EXPECT_EQ(story.sound, LineSound::frames);
     EXPECT_EQ(story.protocol, "ibus");
@@ -86,7 +86,7 @@ TEST_P(RecordedLineAtAPort, knows_ibus_of_18_channels) {
     expect_period(story, microseconds(4000));
 }
 
-TEST_P(RecordedLineAtAPort, knows_sbus2_and_futabas_scale) {
+TEST_P(RecordedLineAtAPort, KnowsSbus2AndFutabasScale) {
     const LineStory story = story_of(kSbus2, {.sender = {.line = kSbusLine}});
     EXPECT_EQ(story.sound, LineSound::frames);
     EXPECT_EQ(story.protocol, "sbus");
@@ -96,14 +96,14 @@ TEST_P(RecordedLineAtAPort, knows_sbus2_and_futabas_scale) {
     expect_period(story, milliseconds(15));
 }
 
-TEST_P(RecordedLineAtAPort, knows_fast_sbus) {
+TEST_P(RecordedLineAtAPort, KnowsFastSbus) {
     const LineStory story = story_of(kSbus2, {.sender = {.line = kFastSbusLine}});
     EXPECT_EQ(story.sound, LineSound::frames);
     EXPECT_EQ(story.protocol, "sbus");
     EXPECT_EQ(story.line, kFastSbusLine);
 }
 
-TEST_P(RecordedLineAtAPort, knows_the_sensor_bus) {
+TEST_P(RecordedLineAtAPort, KnowsTheSensorBus) {
     for (const std::string& name : kSensorBuses) {
         const LineStory story = story_of(name, ibus_sent());
         EXPECT_EQ(story.sound, LineSound::frames) << name;
@@ -114,7 +114,7 @@ TEST_P(RecordedLineAtAPort, knows_the_sensor_bus) {
     }
 }
 
-TEST_P(RecordedLineAtAPort, knows_inverted_ibus) {
+TEST_P(RecordedLineAtAPort, KnowsInvertedIbus) {
     for (const std::string& name : {kIbus14[0], kIbus14[1], kIbus18}) {
         const LineStory story = story_of(name, ibus_sent(true));
         EXPECT_EQ(story.sound, LineSound::inverted) << name;
@@ -123,13 +123,13 @@ TEST_P(RecordedLineAtAPort, knows_inverted_ibus) {
     }
 }
 
-TEST_P(RecordedLineAtAPort, knows_inverted_ibus_of_senders_that_make_no_pause) {
+TEST_P(RecordedLineAtAPort, KnowsInvertedIbusOfSendersThatMakeNoPause) {
     const LineStory story = story_of(kIbus14[0], {.sender = {.line = kIbusLine, .inverted = true}});
     EXPECT_EQ(story.sound, LineSound::inverted);
     EXPECT_EQ(story.protocol, "ibus");
 }
 
-TEST_P(RecordedLineAtAPort, knows_inverted_sbus) {
+TEST_P(RecordedLineAtAPort, KnowsInvertedSbus) {
     for (const LineSettings& line : {kSbusLine, kFastSbusLine}) {
         const LineStory story = story_of(kSbus2, {.sender = {.line = line, .inverted = true}});
         EXPECT_EQ(story.sound, LineSound::inverted);
@@ -139,13 +139,13 @@ TEST_P(RecordedLineAtAPort, knows_inverted_sbus) {
     }
 }
 
-TEST_P(RecordedLineAtAPort, knows_an_inverted_sensor_bus) {
+TEST_P(RecordedLineAtAPort, KnowsAnInvertedSensorBus) {
     const LineStory story = story_of(kSensorBuses[0], ibus_sent(true));
     EXPECT_EQ(story.sound, LineSound::inverted);
     EXPECT_EQ(story.protocol, "ibus-sensor");
 }
 
-TEST_P(RecordedLineAtAPort, knows_sbus_without_parity) {
+TEST_P(RecordedLineAtAPort, KnowsSbusWithoutParity) {
     for (const std::uint8_t stop_bits : {std::uint8_t{1}, std::uint8_t{2}}) {
         const LineSettings line{.baud = 100'000, .stop_bits = stop_bits};
         const LineStory story = story_of(kSbus2, {.sender = {.line = line}});
@@ -154,13 +154,13 @@ TEST_P(RecordedLineAtAPort, knows_sbus_without_parity) {
     }
 }
 
-TEST_P(RecordedLineAtAPort, knows_sbus_with_odd_parity) {
+TEST_P(RecordedLineAtAPort, KnowsSbusWithOddParity) {
     const LineStory story = story_of(kSbus2, {.sender = {.line = kSbusLine, .odd_parity = true}});
     EXPECT_EQ(story.sound, LineSound::wrong_parity);
     EXPECT_EQ(story.protocol, "sbus");
 }
 
-TEST_P(RecordedLine, knows_ibus_with_parity_where_the_port_gets_into_step_again) {
+TEST_P(RecordedLine, KnowsIbusWithParityWhereThePortGetsIntoStepAgain) {
     const LineSettings line{.baud = kUsualBaud, .parity = Parity::even};
     const LineStory story = story_of(
         recorded(kIbus14[0]), {.sender = {.line = line}, .pause_bits = 1}, kEachByteWaitingForIdle);
@@ -168,7 +168,7 @@ TEST_P(RecordedLine, knows_ibus_with_parity_where_the_port_gets_into_step_again)
     EXPECT_EQ(story.protocol, "ibus");
 }
 
-TEST_P(RecordedLineAtAPort, takes_another_rate_for_nothing_known) {
+TEST_P(RecordedLineAtAPort, TakesAnotherRateForNothingKnown) {
     for (const std::uint32_t baud : {38'400U, 300'000U}) {
         const SentAs as{.sender = {.line = {.baud = baud}}, .pause_bits = 1};
         const LineStory story = story_of(kIbus14[0], as);
@@ -182,7 +182,7 @@ TEST_P(RecordedLineAtAPort, takes_another_rate_for_nothing_known) {
 
 /// As FTDI adapters report it: an error in a packet counts for all its bytes, and their values are
 /// lost.
-TEST_P(RecordedLine, hears_a_low_line_where_the_port_tells_breaks_only) {
+TEST_P(RecordedLine, HearsALowLineWhereThePortTellsBreaksOnly) {
     auto heard =
         heard_of(on_a_wire(recorded(kSbus2), {.sender = {.line = kSbusLine, .inverted = true}}),
                  kLumpsWaitingForIdle);
@@ -197,7 +197,7 @@ TEST_P(RecordedLine, hears_a_low_line_where_the_port_tells_breaks_only) {
 }
 
 /// Some adapters report neither parity nor framing errors.
-TEST_P(RecordedLine, knows_inverted_sbus_where_the_port_tells_no_errors) {
+TEST_P(RecordedLine, KnowsInvertedSbusWhereThePortTellsNoErrors) {
     auto heard =
         heard_of(on_a_wire(recorded(kSbus2), {.sender = {.line = kSbusLine, .inverted = true}}),
                  kLumpsWaitingForIdle);
@@ -211,7 +211,7 @@ TEST_P(RecordedLine, knows_inverted_sbus_where_the_port_tells_no_errors) {
     EXPECT_EQ(story.protocol, "sbus");
 }
 
-TEST_P(RecordedLine, finds_requests_on_a_wire_that_carries_ibus_too) {
+TEST_P(RecordedLine, FindsRequestsOnAWireThatCarriesIbusToo) {
     Recording both = recorded(kIbus14[0]);
     const Recording sensors = recorded(kSensorBuses[0]);
     both.bursts.insert(both.bursts.end(), sensors.bursts.begin(), sensors.bursts.end());
@@ -222,7 +222,7 @@ TEST_P(RecordedLine, finds_requests_on_a_wire_that_carries_ibus_too) {
     EXPECT_GT(story.requests, 40U);
 }
 
-TEST_P(RecordedLine, counts_bytes_of_no_frame) {
+TEST_P(RecordedLine, CountsBytesOfNoFrame) {
     auto heard = heard_of(on_a_wire(recorded(kIbus18), ibus_sent()), {});
     heard[0].bursts[1000].damaged[0] = true;
     const LineStory story = judge_line(heard);

@@ -47,7 +47,7 @@ from = "a"
 to   = "b"
 )";
 
-TEST(RecordingsPlace, OfAnAbsentDaemonIsInItsFile) {
+TEST(RecordingsPlace, IsInTheFileOfAnAbsentDaemon) {
     const TemporaryFolder folder;
     KnownDaemon daemon{.name = "boat", .tells = {}, .control = {}, .file = folder / "boat.toml"};
     EXPECT_FALSE(place_in_file(daemon)) << "there is none";

@@ -65,7 +65,7 @@ TEST(PlotCurve, WhatLiesOutsideOfTheSpanIsLeftOutButLastsIntoIt) {
     EXPECT_EQ(shown(curve), "1500 1500 1500 1500 1500..1600");
 }
 
-TEST(PlotCurve, OfALongRecordingDoesNotOverflow) {
+TEST(PlotCurve, DoesNotOverflowWithALongRecording) {
     const PlotSpan span{.from = 0s, .to = kLongestPlot, .columns = kMostPlotColumns};
     EXPECT_EQ(span.column(kLongestPlot - 1ns), kMostPlotColumns - 1);
     EXPECT_EQ(span.column(kLongestPlot / 2), kMostPlotColumns / 2);
@@ -115,7 +115,7 @@ TEST(PlotStates, AreSpellsWithinTheSpan) {
     EXPECT_EQ(states.states()[1].to, 200ms);
 }
 
-TEST(PlotStates, OfALinkThatFlapsAreCountedBeyondALimit) {
+TEST(PlotStates, AreCountedBeyondALimitForALinkThatFlaps) {
     PlotStates states({.from = 0s, .to = 1h, .columns = 1});
     for (int i = 0; i < 1000; ++i) {
         states.set(i * 1ms, i % 2 == 0 ? "control" : "hold");

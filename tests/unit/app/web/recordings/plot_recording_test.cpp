@@ -161,7 +161,7 @@ TEST_F(PlotRecording, ATimeThatNoRecordingHasIsNotBelieved) {
     EXPECT_EQ(plot(0s, kLongestPlot, 4)["length_us"], 3'990'001);
 }
 
-TEST_F(PlotRecording, OfWhatIsNoneIsAnError) {
+TEST_F(PlotRecording, IsAnErrorForWhatIsNone) {
     std::filesystem::remove(folder_.path() / "output-servos.txt");
     EXPECT_TRUE(series(plot(0s, 1h, 4), "servos", 1).is_null()) << "that port was not recorded";
     std::filesystem::remove(folder_.path() / "input-receiver.txt");

@@ -17,19 +17,19 @@ ChannelFrame frame(bool failsafe = false) {
     return made;
 }
 
-TEST(FrameJudge, says_nothing_without_the_detectors_of_an_input) {
+TEST(FrameJudge, SaysNothingWithoutTheDetectorsOfAnInput) {
     FrameJudge judge(std::nullopt);
     judge.bytes_came(5ms);
     EXPECT_FALSE(judge.judge(frame(), 5ms));
 }
 
-TEST(FrameJudge, says_nothing_where_the_recording_has_no_times) {
+TEST(FrameJudge, SaysNothingWhereTheRecordingHasNoTimes) {
     FrameJudge judge(SupervisionSettings{});
     judge.bytes_came(std::nullopt);
     EXPECT_FALSE(judge.judge(frame(), std::nullopt));
 }
 
-TEST(FrameJudge, tells_the_cause_of_each_frame) {
+TEST(FrameJudge, TellsTheCauseOfEachFrame) {
     FrameJudge judge(SupervisionSettings{});
     judge.bytes_came(5ms);
     EXPECT_EQ(judge.judge(frame(), 5ms)->state.cause, LinkCause::good);
@@ -39,7 +39,7 @@ TEST(FrameJudge, tells_the_cause_of_each_frame) {
     EXPECT_EQ(lost->state.sign, RadioLossSign::failsafe_flag);
 }
 
-TEST(FrameJudge, tells_once_why_the_link_was_lost_before_a_frame) {
+TEST(FrameJudge, TellsOnceWhyTheLinkWasLostBeforeAFrame) {
     FrameJudge judge(SupervisionSettings{});
     judge.bytes_came(5ms);
     judge.judge(frame(), 5ms);

@@ -283,7 +283,7 @@ TEST_F(Broadcast, RefusesAnotherLinkAndTakesAnOldKey) {
     EXPECT_TRUE(changed.next(message, at(0ms)));
 }
 
-TEST_F(Broadcast, OfAnotherVersionIsRefusedAndNamed) {
+TEST_F(Broadcast, InAnotherVersionIsRefusedAndNamed) {
     std::array<char, 160> text{};
     EXPECT_FALSE(read(from_hex(kDigitsOfVersion0), at(0ms)));
     EXPECT_EQ(rejected("other_version"), 1U);
@@ -322,7 +322,7 @@ TEST_F(Broadcast, RefusesNumbersThatNoSenderReaches) {
 }
 
 /// Whoever has a stolen old key, while keys are changed, does not lock the new one out for ever.
-TEST_F(Broadcast, OfTheOldKeyUsesUpNoNumberOfTheNewOne) {
+TEST_F(Broadcast, WithTheOldKeyUsesUpNoNumberOfTheNewOne) {
     const Mac stolen = keys("stolen");
     const BroadcastReceiver changed(keys(), stolen);
     BroadcastReceiver fresh = changed;
@@ -361,7 +361,7 @@ TEST_F(Broadcast, KnowsTheDelayOverAChangeOfKeys) {
 }
 
 /// With the old key, so from before the change.
-TEST_F(Broadcast, OfTheOldKeyIsNotTakenBehindTheNewOne) {
+TEST_F(Broadcast, WithTheOldKeyIsNotTakenBehindTheNewOne) {
     const Message held_back = write(at(0ms));
     BroadcastReceiver fresh(keys("new"), keys());
     fresh.use_numbers(received_);

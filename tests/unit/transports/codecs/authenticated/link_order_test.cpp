@@ -83,7 +83,7 @@ RandomSeed fresh_bytes() {
 }
 
 /// Its memory is that of before, so all that it does depends on the same bytes once more.
-TEST_F(AuthenticatedLink, OfAReceiverWhoseMemoryWasRestoredTakesNothingThatWasRecorded) {
+TEST_F(AuthenticatedLink, TakesNothingThatWasRecordedAfterItsReceiversMemoryWasRestored) {
     receiver_.use_random(fresh_bytes);
     Receiver restored = receiver_;
     HelloMessage greeting{};

@@ -29,7 +29,7 @@ const CanFrame kCentred = standard_frame(1, {0xDC, 0x05});
 const CanFrame kPressed = standard_frame(2, {10});
 
 /// Neither message has a cycle in the file.
-TEST(OptionalSignals, OfAMessageThatStopsHoldUpNoOthers) {
+TEST(OptionalSignals, HoldUpNoOthersIfTheirMessageStops) {
     DbcDecoder decoder =
         decoder_of(R"({"Sticks": {"Steer": 1}, "Buttons": )" + std::string(kHorn) + "}");
     decoder.next(kPressed, at(0));
@@ -55,7 +55,7 @@ std::string fault_of(const DbcDecoder& decoder) {
     return {text.data(), decoder.write_fault(text)};
 }
 
-TEST(DbcFault, OfAValueIsForgottenWhenTheFramesAreRefusedForAnotherReason) {
+TEST(DbcFault, InAValueIsForgottenWhenTheFramesAreRefusedForAnotherReason) {
     DbcDecoder decoder = decoder_of(R"({"Checked": {"Gas": 1, "Sum": {"checksum": "sum"}}})");
     const CanFrame far = standard_frame(3, {200, 200});
     const CanFrame wrong_sum = standard_frame(3, {50, 1});

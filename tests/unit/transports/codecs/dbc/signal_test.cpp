@@ -195,7 +195,7 @@ bool deep_present(const std::vector<std::uint8_t>& data) {
     return present(message, message.signals[2], data);
 }
 
-TEST(DbcPresent, OfASignalThatDependsOnNothing) {
+TEST(DbcPresent, ForASignalThatDependsOnNothing) {
     const DbcMessage message = nested();
     EXPECT_TRUE(present(message, message.signals[0], std::array<std::uint8_t, 1>{0}));
 }

@@ -84,7 +84,7 @@ TEST(ServoCommands, AreTakenAsPulsesWhereTheySaySo) {
     EXPECT_EQ(snapshot->channel(0), Pulse::from_microseconds(1234));
 }
 
-TEST(ServoCommands, OfPositionForceOrSpeedMoveNothing) {
+TEST(ServoCommands, ForPositionForceOrSpeedMoveNothing) {
     for (const std::uint8_t type :
          {ActuatorCommand::kPosition, ActuatorCommand::kForce, ActuatorCommand::kSpeed}) {
         CommandDecoder decoder({});
@@ -127,7 +127,7 @@ TEST(ServoCommands, CountFromTheFirstActuatorThatIsAskedFor) {
     EXPECT_FALSE(snapshot->has(2));
 }
 
-TEST(ServoCommands, OfSeveralMessagesAreOneSnapshotAsOldAsItsOldestCommand) {
+TEST(ServoCommands, InSeveralMessagesAreOneSnapshotAsOldAsItsOldestCommand) {
     CommandDecoder decoder({});
     decoded(decoder, frames_of_message(commands_of({unitless(1, 0)}), kAutopilot, 0));
     const auto both =
@@ -138,7 +138,7 @@ TEST(ServoCommands, OfSeveralMessagesAreOneSnapshotAsOldAsItsOldestCommand) {
     EXPECT_EQ(both->received, kStart);
 }
 
-TEST(ServoCommands, OfAnActuatorThatIsCommandedNoLongerGrowOld) {
+TEST(ServoCommands, ForAnActuatorThatIsCommandedNoLongerGrowOld) {
     CommandDecoder decoder({});
     decoded(decoder,
             frames_of_message(commands_of({unitless(1, 0), unitless(2, 0)}), kAutopilot, 0));
@@ -152,7 +152,7 @@ TEST(ServoCommands, OfAnActuatorThatIsCommandedNoLongerGrowOld) {
     }
 }
 
-TEST(ServoCommands, OfAVehicleThatBeginsAnewAreThoseThatItHasNow) {
+TEST(ServoCommands, AreThoseThatAVehicleHasNowAfterItBeganAnew) {
     CommandDecoder decoder({});
     decoded(decoder,
             frames_of_message(commands_of({unitless(1, 0), unitless(2, 0)}), kAutopilot, 0));
@@ -176,7 +176,7 @@ bool in_failsafe(SafetyRule rule, std::optional<std::uint8_t> said, Duration ago
     return decoded(decoder, frames_of_message(command, kAutopilot, 1), kStart + ago)->failsafe;
 }
 
-TEST(ServoCommands, OfAVehicleThatSaysThatItIsSafeAreFailsafe) {
+TEST(ServoCommands, FromAVehicleThatSaysThatItIsSafeAreFailsafe) {
     EXPECT_TRUE(in_failsafe(SafetyRule::heard, SafetyState::kSafetyOn));
     EXPECT_FALSE(in_failsafe(SafetyRule::heard, SafetyState::kSafetyOff));
     EXPECT_FALSE(in_failsafe(SafetyRule::heard, std::nullopt));
@@ -232,7 +232,7 @@ TEST(MotorCommands, TurnBackwardsWhereTheyMay) {
     EXPECT_EQ(snapshot->channel(2), Pulse::from_microseconds(1000));
 }
 
-TEST(MotorCommands, OfAVehicleThatSaysThatItIsDisarmedAreFailsafe) {
+TEST(MotorCommands, FromAVehicleThatSaysThatItIsDisarmedAreFailsafe) {
     CommandDecoder decoder({.kind = CommandKind::motors, .first = 0});
     decoded(decoder, frames_of_message(throttles({100}), kAutopilot, 0));
     decoded(decoder, arming(ArmingStatus::kDisarmed, 0));

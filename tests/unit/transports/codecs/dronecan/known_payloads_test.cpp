@@ -84,7 +84,7 @@ TEST(DroneCanKnownPayloads, AnArrayWithoutItemsIsThereAllTheSame) {
     EXPECT_EQ(lines(TransferKind::message, 1010, ""), Lines{"commands=none"});
 }
 
-TEST(DroneCanKnownPayloads, OfAUnionThereIsWhatItHolds) {
+TEST(DroneCanKnownPayloads, HaveWhatAUnionHolds) {
     EXPECT_EQ(lines(TransferKind::request, 11, "0001320000000000000052435F52415445"),
               (Lines{"index=0", "value.integer_value=50", "name='RC_RATE'"}));
     EXPECT_EQ(lines(TransferKind::request, 11, "0000"),

@@ -106,7 +106,7 @@ Bytes any_fragments() {
     return all;
 }
 
-RC_GTEST_PROP(SensorFrameParser, OfAnyFragmentsARequestIsFoundWithItsLastByteOrNotAtAll, ()) {
+RC_GTEST_PROP(SensorFrameParser, FindsARequestInAnyFragmentsWithItsLastByteOrNotAtAll, ()) {
     const Bytes bytes = any_fragments();
     SensorFrameParser parser;
     for (const auto& found : wire_of(bytes).read(parser)) {

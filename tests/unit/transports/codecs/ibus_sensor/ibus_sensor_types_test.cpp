@@ -294,7 +294,7 @@ TEST(WithSize, ASizeThatTheSensorSaysMakesOnePlainNumber) {
     EXPECT_DOUBLE_EQ(*number_of(wide.fields.front(), -2), -0.02);
 }
 
-TEST(WithSize, OfSeveralFieldsTheFirstStays) {
+TEST(WithSize, FirstOfSeveralFieldsStays) {
     const SensorTypes types;
     const SensorType narrow = with_size(*types.find(0x41), 2);
     ASSERT_EQ(narrow.fields.size(), 1U);

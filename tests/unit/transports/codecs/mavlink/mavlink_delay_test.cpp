@@ -63,7 +63,7 @@ class MavlinkDelay : public ::testing::Test {
     MavlinkDecoder decoder_{{.key = key()}};
 };
 
-TEST_F(MavlinkDelay, OfAStreamThatWasHeldBackForAnHourIsSeen) {
+TEST_F(MavlinkDelay, IsSeenInAStreamThatWasHeldBackForAnHour) {
     EXPECT_TRUE(counts(sent(kStart), kStart));
     std::vector<Bytes> held;
     for (int i = 1; i <= kHeld; ++i) {
@@ -79,7 +79,7 @@ TEST_F(MavlinkDelay, OfAStreamThatWasHeldBackForAnHourIsSeen) {
 }
 
 /// The heartbeat has a time just behind that of the channels, and is sent with them.
-TEST_F(MavlinkDelay, OfAHeldStreamIsSeenAlsoWhereItsHeartbeatsAreHeldFromTheFirstOneOn) {
+TEST_F(MavlinkDelay, IsSeenInAHeldStreamAlsoWhereItsHeartbeatsAreHeldFromTheFirstOneOn) {
     EXPECT_TRUE(counts(sent(kStart), kStart));
     std::vector<Bytes> held{heartbeat(kStart)};
     for (int i = 1; i <= kHeld; ++i) {
@@ -139,7 +139,7 @@ TEST_F(MavlinkDelay, GoesOnWithASenderWhoseClockIsSetBackAndIsRightAgain) {
 }
 
 /// As far as programs that set a clock while it runs let it be slower or faster.
-TEST_F(MavlinkDelay, OfClocksThatDriftIsNone) {
+TEST_F(MavlinkDelay, IsNoneWithClocksThatDrift) {
     Instant begin = kStart;
     for (const std::int64_t parts : {2000, -2000}) {
         for (Duration now = 0s; now < 1h; now += 100ms) {
@@ -215,7 +215,7 @@ TEST_F(MavlinkDelay, CostsLessThanHalfASecondWhereTheClockOfTheSenderIsSetBackBy
 }
 
 /// A sender that was set back starts again without a loss later on.
-TEST_F(MavlinkDelay, OfASenderThatWasSetBackAndHasReturnedToItsClockLetsItStartAgain) {
+TEST_F(MavlinkDelay, LetsASenderStartAgainThatWasSetBackAndHasReturnedToItsClock) {
     EXPECT_TRUE(counts(sent(kStart), kStart));
     of_sender_.set(kDay - 700ms, kStart);
     for (Duration now = 100ms; now < 25min; now += 100ms) {
@@ -237,7 +237,7 @@ TEST_F(MavlinkDelay, IsNoneWhereAReloadComesAfterTheClockOfTheSenderIsSetBack) {
     EXPECT_LE(told.value_or(1h), 1ms);
 }
 
-TEST_F(MavlinkDelay, OfAHeldStreamIsSeenAlsoWhereTheClockIsSlowed) {
+TEST_F(MavlinkDelay, IsSeenInAHeldStreamAlsoWhereTheClockIsSlowed) {
     EXPECT_TRUE(counts(sent(kStart), kStart));
     of_receiver_.set_lost(100s);
     for (int i = 1; i <= kHeld; ++i) {

@@ -113,14 +113,14 @@ TEST_F(MavlinkRelease, GivesBackOnlyItsOwnChannels) {
     expect_silent(10, {1, 255, "bbb..............."});
 }
 
-TEST_F(MavlinkRelease, OfAReloadWithFewerChannelsStandsInTheNextTenMessages) {
+TEST_F(MavlinkRelease, AfterAReloadWithFewerChannelsStandsInTheNextTenMessages) {
     steer();
     load({.message = kOverrides, .channels = 4, .releases = true});
     expect_steered(10, {1, 255, "ssssbbbb.........."});
     expect_steered(5, {1, 255, "ssss.............."});
 }
 
-TEST_F(MavlinkRelease, OfAReloadGoesOnWhileTheOutputIsSilent) {
+TEST_F(MavlinkRelease, AfterAReloadGoesOnWhileTheOutputIsSilent) {
     steer();
     load({.message = kOverrides, .channels = 4, .releases = true});
     expect_steered(3, {1, 255, "ssssbbbb.........."});
@@ -130,7 +130,7 @@ TEST_F(MavlinkRelease, OfAReloadGoesOnWhileTheOutputIsSilent) {
     expect_silent(3, {1, 255, "bbbb.............."});
 }
 
-TEST_F(MavlinkRelease, OfAReloadToAnotherTargetComesFirstAndGoesToTheOldOne) {
+TEST_F(MavlinkRelease, AfterAReloadToAnotherTargetComesFirstAndGoesToTheOldOne) {
     steer();
     load({.message = kOverrides, .system = 254, .target = 2, .channels = 8, .releases = true});
     expect_steered(10, {1, 255, "bbbbbbbb.........."});
@@ -139,7 +139,7 @@ TEST_F(MavlinkRelease, OfAReloadToAnotherTargetComesFirstAndGoesToTheOldOne) {
 }
 
 /// An autopilot may refuse the new sender.
-TEST_F(MavlinkRelease, OfAReloadToAnotherSenderComesFirstAsTheOldOne) {
+TEST_F(MavlinkRelease, AfterAReloadToAnotherSenderComesFirstAsTheOldOne) {
     steer();
     load({.message = kOverrides, .system = 254, .channels = 8, .releases = true});
     expect_steered(10, {1, 255, "bbbbbbbb.........."});
@@ -151,7 +151,7 @@ TEST_F(MavlinkRelease, OfAReloadToAnotherSenderComesFirstAsTheOldOne) {
     EXPECT_EQ(steer().at(6), 191);
 }
 
-TEST_F(MavlinkRelease, OfAReloadToAnotherKeyComesFirstWithTheOldOne) {
+TEST_F(MavlinkRelease, AfterAReloadToAnotherKeyComesFirstWithTheOldOne) {
     const SecretKey old_key{1};
     const SecretKey new_key{2};
     load({.message = kOverrides, .channels = 8, .releases = true, .key = old_key});
@@ -167,13 +167,13 @@ TEST_F(MavlinkRelease, OfAReloadToAnotherKeyComesFirstWithTheOldOne) {
     expect_steered(5, {1, 255, "ssssssss.........."});
 }
 
-TEST_F(MavlinkRelease, OfAReloadToAnotherTargetComesWhileTheOutputIsSilent) {
+TEST_F(MavlinkRelease, AfterAReloadToAnotherTargetComesWhileTheOutputIsSilent) {
     steer();
     load({.message = kOverrides, .target = 2, .channels = 8, .releases = true});
     expect_silent(10, {1, 255, "bbbbbbbb.........."});
 }
 
-TEST_F(MavlinkRelease, OfAReloadToAnotherMessageComesFirst) {
+TEST_F(MavlinkRelease, AfterAReloadToAnotherMessageComesFirst) {
     for (const auto message :
          {MavlinkChannels::radio_rc_channels, MavlinkChannels::manual_control}) {
         load({.message = kOverrides, .channels = 8, .releases = true});
@@ -185,7 +185,7 @@ TEST_F(MavlinkRelease, OfAReloadToAnotherMessageComesFirst) {
     }
 }
 
-TEST_F(MavlinkRelease, OfChannelsThatVersion1CannotNameComesInVersion2) {
+TEST_F(MavlinkRelease, ComesInVersion2ForChannelsThatVersion1CannotName) {
     load({.message = kOverrides, .channels = 12, .releases = true});
     steer();
     load({.message = kOverrides, .version_1 = true, .channels = 8, .releases = true});
@@ -193,7 +193,7 @@ TEST_F(MavlinkRelease, OfChannelsThatVersion1CannotNameComesInVersion2) {
     expect_steered(5, {1, 255, "ssssssss.........."});
 }
 
-TEST_F(MavlinkRelease, OfAReloadEndsAtTheNextOneThatSendsTheChannelsAgain) {
+TEST_F(MavlinkRelease, EndsAtTheNextReloadThatSendsTheChannelsAgain) {
     steer();
     load({.message = kOverrides, .channels = 4, .releases = true});
     expect_steered(2, {1, 255, "ssssbbbb.........."});
@@ -202,7 +202,7 @@ TEST_F(MavlinkRelease, OfAReloadEndsAtTheNextOneThatSendsTheChannelsAgain) {
     expect_steered(2, {1, 255, "ssssss............"});
 }
 
-TEST_F(MavlinkRelease, OfTwoReloadsInARowGoesToTheFirstTarget) {
+TEST_F(MavlinkRelease, GoesToTheFirstTargetAfterTwoReloadsInARow) {
     steer();
     load({.message = kOverrides, .target = 2, .channels = 8, .releases = true});
     expect_steered(4, {1, 255, "bbbbbbbb.........."});

@@ -75,7 +75,7 @@ TEST(MavlinkSignature, IsThatOfTheVectors) {
     EXPECT_EQ(encoded(encoder, frame_of_microseconds(kSixteenPulses), kStart), expected);
 }
 
-TEST(MavlinkSignature, OfTheVectorsIsTaken) {
+TEST(MavlinkSignature, InTheVectorsIsTaken) {
     const FixedClock clock(kDay + 59s, kStart);
     Receiver receiver(&clock);
     EXPECT_EQ(receiver.takes(from_hex(kSignedOverride)), 1U);
@@ -120,7 +120,7 @@ TEST(MavlinkSignature, WithARightCrcButOtherContentIsWrong) {
     EXPECT_EQ(receiver.refused("wrong_signature"), 1U);
 }
 
-TEST(MavlinkSignature, OfAnotherKeyIsWrong) {
+TEST(MavlinkSignature, WithAnotherKeyIsWrong) {
     for (const std::size_t place : {0U, 15U, 31U}) {
         SecretKey other = key();
         other[place] ^= 0x80;
@@ -236,7 +236,7 @@ TEST(MavlinkSignature, BeginsOnlyAsManyStreamsAsAreKept) {
 
 // A decoder of its own is a program that has started again: nothing is kept on a disk.
 
-TEST(MavlinkSignature, OfTheMinuteBeforeARestartCountsOnceMoreInItsOrder) {
+TEST(MavlinkSignature, FromTheMinuteBeforeARestartCountsOnceMoreInItsOrder) {
     const FixedClock clock(kDay, kStart);
     MavlinkSigner sender(key(), 0);
     sender.use_clock(clock);
@@ -253,7 +253,7 @@ TEST(MavlinkSignature, OfTheMinuteBeforeARestartCountsOnceMoreInItsOrder) {
     EXPECT_EQ(after.takes(first) + after.takes(second), 0U);
 }
 
-TEST(MavlinkSignature, OfBeforeARestartCountsNoMoreOnceTheSenderWasHeard) {
+TEST(MavlinkSignature, FromBeforeARestartCountsNoMoreOnceTheSenderWasHeard) {
     const FixedClock clock(kDay, kStart);
     MavlinkSigner sender(key(), 0);
     sender.use_clock(clock);

@@ -60,7 +60,7 @@ class LiveSender {
 
 class CanChannelsRing : public testing::TestWithParam<CanChannelsFormat> {};
 
-TEST_P(CanChannelsRing, OfOldSnapshotsIsNeverPublishedUnlessItHasAllCounts) {
+TEST_P(CanChannelsRing, WithOldSnapshotsIsNeverPublishedUnlessItHasAllCounts) {
     for (std::size_t length = 2; length < GetParam().counter_values(); ++length) {
         LiveSender sender(GetParam());
         ASSERT_EQ(sender.send(1), 1U);

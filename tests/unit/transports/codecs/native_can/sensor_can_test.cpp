@@ -126,7 +126,7 @@ TEST_F(SensorsOnCan, FillASnapshotWhenAllAddressesAnswer) {
     }
 }
 
-TEST_F(SensorsOnCan, OfABusThatTheBoardHasNotNothingIsSent) {
+TEST_F(SensorsOnCan, AreNotSentOnABusThatTheBoardHasNot) {
     SensorCanEncoder other({.sensor_bus = "telemetry"});
     EXPECT_EQ(frames_of(other, ChannelFrame{}, at(0)).size(), 0U);
     other.use(board_);
