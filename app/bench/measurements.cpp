@@ -56,8 +56,8 @@ void sleep_until(Instant instant) {
     ::clock_nanosleep(kClock, TIMER_ABSTIME, &until, nullptr);
 }
 
-/// What is written to `in.master` comes in on the device `in` and out of `out`, by a thread of
-/// tribus or of the bare relay.
+/// A thread of tribus or of the bare relay carries what the far end `in.master` writes from the
+/// device `in` to the device `out`.
 struct Way {
     std::string thread;
     Pty in;

@@ -9,7 +9,7 @@
 
 #include "core/time.h"
 
-/// What tribus adds, measured beside the least that any program does.
+/// Measures what tribus adds to the least that any program does.
 namespace tribus::bench {
 
 /// A requirement of `--require` on the latency.

@@ -20,7 +20,7 @@
 /// wrong.
 namespace tribus::bench {
 
-/// Of the receiver, in all counts.
+/// Period of the receiver's frames in all counts.
 inline constexpr auto kDaemonFramePeriod = std::chrono::microseconds(7700);
 
 /// A workload of the program, with a rule for each channel, and the upper limit of its user

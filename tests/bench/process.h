@@ -52,7 +52,7 @@ class Process {
     std::optional<int> ended_;
 };
 
-/// What a file of /proc says; empty if there is none.
+/// Returns the text of a file of /proc; empty if there is none.
 std::string content_of(const std::filesystem::path& path);
 
 /// Resources of a process: some since its start, some at present.

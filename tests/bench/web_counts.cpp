@@ -169,7 +169,7 @@ class Watched {
     std::list<std::unique_ptr<Page>> pages_;
 };
 
-/// What callgrind counted, and what came out meanwhile.
+/// Counts of callgrind, and the frames that came out meanwhile.
 struct WebCounted : CallgrindCounts {
     std::uint64_t frames = 0;
     std::uint64_t events = 0;

@@ -142,7 +142,7 @@ struct Extreme {
 class TelemetryExtreme : public Telemetry, public testing::WithParamInterface<Extreme> {};
 
 INSTANTIATE_TEST_SUITE_P(
-    Of, TelemetryExtreme,
+    Numbers, TelemetryExtreme,
     testing::Values(Extreme{"Zero", battery(0, 0, 0), 0, 0, 400},
                     Extreme{"HalvesGoAwayFromZero", battery(-15, 15, -1), -2, 2, 390},
                     Extreme{"LastThatFit", battery(327'670, 655'350, -40), 32'767, 65'535, 0},

@@ -59,7 +59,7 @@ TEST_F(Bench, RefusesAMeasurementThatItDoesNotKnow) {
     EXPECT_EQ(count_of("did you mean \"latency\"?", program.errors()), 1U) << program.errors();
 }
 
-/// What is written to the device `out` comes in on the device `in`.
+/// Carries what is written to the device `out` to the device `in`.
 class Wire {
   public:
     Wire(FarEnd& out, FarEnd& in) : out_(out), in_(in), thread_([this] { carry(); }) {}

@@ -121,7 +121,7 @@ TEST_P(FullOutput, EndsWithOneAndSaysSoInOneLine) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(OfEach, FullOutput, testing::ValuesIn(kWrites),
+INSTANTIATE_TEST_SUITE_P(Writes, FullOutput, testing::ValuesIn(kWrites),
                          [](const auto& writes) { return writes.param.name; });
 
 TEST(FullOutputTable, HasEveryCommandThatHasResults) {

@@ -17,7 +17,6 @@ import random
 import re
 import resource
 import shutil
-import signal
 import subprocess
 import sys
 import threading
@@ -25,6 +24,7 @@ import time
 import tomllib
 
 import make
+import test_program
 from switched_build import Failed, HERE, OWN_ROOT, SwitchedBuild
 
 WORK = OWN_ROOT / "build-mutation/made"
@@ -259,29 +259,14 @@ class Campaign:
             resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         log = WORK / f"run.{threading.get_ident()}.log"
         with log.open("w+", errors="replace") as output:
-            process = subprocess.Popen(
+            status, text = test_program.run(
                 [WORK / "tests" / f"{suite}_tests", "--gtest_fail_fast", "--gtest_color=no"],
-                cwd=self.build.build / "tests", env=environment, stdout=output,
-                stderr=subprocess.STDOUT, preexec_fn=limit, start_new_session=True)
-            hangs = False
-            try:
-                process.wait(timeout=4 * seconds)
-            except subprocess.TimeoutExpired:
-                hangs = True
-            try:
-                os.killpg(process.pid, signal.SIGKILL)
-            except ProcessLookupError:
-                pass
-            process.wait()
-            output.seek(0)
-            text = output.read()
-        if process.returncode == 0 and not hangs:
+                output, 4 * seconds, cwd=self.build.build / "tests", env=environment,
+                preexec_fn=limit)
+        if status == 0:
             return ""
-        failed = re.search(r"^\[  FAILED  \] (\S+?),? ", text, re.MULTILINE)
-        begun = re.findall(r"^\[ RUN      \] (\S+)", text, re.MULTILINE)
-        if failed and not hangs:
-            return failed[1]
-        return f"{begun[-1] if begun else 'the start'}, which does not end well"
+        failed = test_program.failed_test(text) if status is not None else None
+        return failed or f"{test_program.last_test(text) or 'the start'}, which does not end well"
 
     def try_all(self, chosen, numbers, tests):
         results = []

@@ -9,13 +9,13 @@ import dataclasses
 import hashlib
 import os
 import pathlib
-import re
 import shutil
-import signal
 import subprocess
 import sys
 import time
 import tomllib
+
+import test_program
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 WORK = ROOT / "build-mutation"
@@ -111,31 +111,17 @@ def build(suites, jobs):
 def run_tests(suite, tests, limit_s):
     """Returns the first test that fails, and how if it crashed or hung; None if all pass."""
     with (WORK / f"{suite}.log").open("w+", errors="replace") as log:
-        process = subprocess.Popen(
+        status, output = test_program.run(
             [BUILD / "tests" / f"{suite}_tests", "--gtest_fail_fast",
              "--gtest_color=no", f"--gtest_filter={tests}-{NO_TESTS_OF_THE_PROGRAM}"],
-            stdout=log, stderr=subprocess.STDOUT, cwd=BUILD / "tests", start_new_session=True)
-        hangs = False
-        try:
-            process.wait(timeout=limit_s)
-        except subprocess.TimeoutExpired:
-            hangs = True
-        try:
-            os.killpg(process.pid, signal.SIGKILL)
-        except ProcessLookupError:
-            pass
-        process.wait()
-        log.seek(0)
-        output = log.read()
-    begun = re.findall(r"^\[ RUN      \] (\S+)", output, re.MULTILINE)
-    if not begun:
+            log, limit_s, cwd=BUILD / "tests")
+    last = test_program.last_test(output)
+    if last is None:
         return NO_TEST
-    if hangs:
-        return f"{begun[-1]}, which does not end"
-    failed = re.search(r"^\[  FAILED  \] (\S+?),? ", output, re.MULTILINE)
-    if failed:
-        return failed[1]
-    return f"{begun[-1]}, which ends the program" if process.returncode != 0 else None
+    if status is None:
+        return f"{last}, which does not end"
+    failed = test_program.failed_test(output)
+    return failed or (f"{last}, which ends the program" if status != 0 else None)
 
 
 def check_unbroken(digest, suites, jobs):

@@ -38,7 +38,6 @@ class Crc {
         return start;
     }
 
-    /// Inlined always: on garbage it is called for each false beginning.
     static inline Word of(Word start, std::span<const std::uint8_t> bytes) {
         Word crc = start;
         const std::uint8_t* at = bytes.data();

@@ -237,7 +237,6 @@ class LineBuffer {
     std::uint64_t first_position() const { return first_position_; }
 
   private:
-    /// Not inline: single bytes, the most frequent case, then save no registers for it.
     void keep_all(std::span<const std::uint8_t> bytes) {
         assert(size_ + bytes.size() <= kept_.size());
         std::copy(bytes.begin(), bytes.end(), kept_.data() + size_);

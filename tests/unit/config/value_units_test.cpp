@@ -73,7 +73,7 @@ class SentUnit : public testing::TestWithParam<Sender> {
 };
 
 INSTANTIATE_TEST_SUITE_P(
-    OfEachOutput, SentUnit,
+    EachOutput, SentUnit,
     testing::Values(
         Sender{"Crsf", "V",
                "[output.o]\nprotocol = \"crsf-telemetry\"\ndevice = \"/dev/ttyC\"\n"
@@ -99,7 +99,7 @@ TEST_P(SentUnit, IsConvertedOrRefused) {
 
 class ShownUnit : public SentUnit {};
 
-INSTANTIATE_TEST_SUITE_P(OfJeti, ShownUnit,
+INSTANTIATE_TEST_SUITE_P(Jeti, ShownUnit,
                          testing::Values(Sender{
                              "ExBus", "apple",
                              "[output.o]\nprotocol = \"exbus-telemetry\"\ndevice = \"/dev/ttyA\"\n"
@@ -117,7 +117,7 @@ TEST_P(ShownUnit, IsRefusedWhereItIsUnknown) {
 
 class SentQuality : public SentUnit {};
 
-INSTANTIATE_TEST_SUITE_P(OfDroneCan, SentQuality,
+INSTANTIATE_TEST_SUITE_P(DroneCan, SentQuality,
                          testing::Values(Sender{
                              "Quality", "%",
                              "[output.o]\nprotocol = \"dronecan\"\ninterface = \"can1\"\n"

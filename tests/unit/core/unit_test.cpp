@@ -35,7 +35,7 @@ TEST_P(ConvertedUnit, IsTheNumberInTheOtherUnit) {
 // Definitions of the units: the inch of 25.4 mm, the nautical mile of 1852 m, the standard gravity
 // of 9.80665 m/s^2, the zero of the Celsius scale at 273.15 K.
 INSTANTIATE_TEST_SUITE_P(
-    OfEachQuantity, ConvertedUnit,
+    EachQuantity, ConvertedUnit,
     testing::Values(Converted{"mV", "V", 12600, 12.6}, Converted{"kV", "mV", 0.4, 400000},
                     Converted{"V", "uV", 1.5, 1.5e6}, Converted{"mA", "A", -1500, -1.5},
                     Converted{"Ah", "mAh", 2.2, 2200}, Converted{"kW", "W", 1.5, 1500},

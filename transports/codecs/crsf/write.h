@@ -14,8 +14,7 @@
 /// How frames of CRSF are written; only for its encoders.
 namespace tribus::crsf_wire {
 
-/// Writes all but the payload, which is there. Returns the length of the frame. Inlined, it costs
-/// the encoder more instructions than the call.
+/// Writes all but the payload, which is there. Returns the length of the frame.
 template <std::size_t payload_bytes>
 std::size_t finish_frame(std::uint8_t address, std::uint8_t type, std::span<std::uint8_t> wire) {
     wire[0] = address;

@@ -170,7 +170,6 @@ void GhstDecoder::take_statistics(const std::uint8_t* frame, Instant received) {
                    .received = received};
 }
 
-/// Not inline, so that most frames save no registers for it.
 void GhstDecoder::remove_old_groups(ChannelFrame& channels) {
     constexpr std::uint32_t kFirstGroup = ((1U << kGhstGroupChannels) - 1) << kGhstFineChannels;
     for (std::size_t group = 0; group < kGhstGroups; ++group) {

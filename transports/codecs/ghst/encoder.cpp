@@ -58,7 +58,6 @@ std::array<std::uint8_t, 4> ghst_statistics_of(const ChannelFrame& frame) {
     return {known ? frame.link_quality : std::uint8_t{0}, kGhstLeastRssi, kModeWithoutTelemetry, 0};
 }
 
-/// Inlined, it costs the encoder more instructions than the call.
 void write_check(std::span<std::uint8_t, kLongestSerialFrame> wire) {
     const std::span<const std::uint8_t> bytes = wire;
     wire[kGhstCheckAt] = Crc8D5::of(0, bytes.subspan<kGhstTypeAt, kGhstCheckedBytes>());

@@ -264,8 +264,7 @@ SbusDecoder::Taken SbusDecoder::decode(std::span<const std::uint8_t> bytes, Inst
     return decode_pieces(bytes, received, frame);
 }
 
-/// Handles the bytes of a locked frame that decide something: the first and the last. This function
-/// and those below are not inline, so that the usual case saves no registers.
+/// Handles the bytes of a locked frame that decide something: the first and the last.
 SbusDecoder::Taken SbusDecoder::decode_byte(std::span<const std::uint8_t> bytes, Instant received,
                                             DecodedFrame& frame) {
     const std::uint8_t byte = bytes[0];

@@ -103,7 +103,7 @@ Values values_of(const ChannelFrame& channels, std::size_t frame) {
     return values;
 }
 
-/// Of 2,000 frames, one in ten of them hit.
+/// Reads 2,000 frames, one in ten of them hit.
 Both read_with(Hit hit, std::uint32_t seed) {
     constexpr std::size_t kFrames = 2000;
     constexpr Duration kPeriod = 11ms;
