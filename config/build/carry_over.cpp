@@ -233,8 +233,8 @@ std::vector<std::string> obstacles(const Configuration& running, const Configura
 
 bool same_device(const PortConfig& a, const PortConfig& b) {
     return a.medium == b.medium &&
-           (a.device == b.device ||
-            (a.medium->is_same != nullptr && a.medium->is_same(a.device, b.device)));
+           (a.device == b.device || (a.medium->identity != nullptr &&
+                                     a.medium->identity(a.device) == a.medium->identity(b.device)));
 }
 
 CarryOver plan_carry_over(const Configuration& running, const Configuration& fresh) {

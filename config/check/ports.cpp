@@ -1,6 +1,7 @@
 #include "config/check/ports.h"
 
 #include <cstddef>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <variant>
@@ -17,6 +18,8 @@ struct NamedPort {
     std::string_view direction;
     std::string_view name;
     const PortConfig* port = nullptr;
+    /// The same for all names of one place.
+    std::string identity = {};
 
     bool sends() const { return direction == "output"; }
 };
@@ -44,6 +47,10 @@ std::vector<NamedPort> ports_of(const Draft& draft) {
             ports.push_back({"values", values.config.name, &message->port});
         }
     }
+    for (NamedPort& each : ports) {
+        const PortConfig& port = *each.port;
+        each.identity = port.medium->identity ? port.medium->identity(port.device) : port.device;
+    }
     return ports;
 }
 
@@ -62,8 +69,7 @@ void doubt_path(const PortConfig& port, Mistakes& warnings) {
 
 void doubt_two_names(const NamedPort& earlier, const NamedPort& later, Mistakes& warnings) {
     const Medium& medium = *later.port->medium;
-    if (medium.users == Users::many || medium.is_same == nullptr ||
-        !medium.is_same(earlier.port->device, later.port->device)) {
+    if (medium.users == Users::many || earlier.identity != later.identity) {
         return;
     }
     warnings.add(

@@ -49,9 +49,10 @@ function(tribus_room)
 endfunction()
 
 # ROOMS lists folders of the layer; each has its own list of sources. With OPEN, the other folders of
-# the layer are rooms too, behind those.
+# the layer are rooms too, behind those. With EACH_ROOM a release compiles each room as one source, else
+# the layer: GCC inlines less of a room among other rooms' sources, and more where rooms call each other.
 function(tribus_layer name)
-    cmake_parse_arguments(LAYER "OPEN" "FOLDER" "ROOMS;SOURCES;AT_START;DEPENDS" ${ARGN})
+    cmake_parse_arguments(LAYER "OPEN;EACH_ROOM" "FOLDER" "ROOMS;SOURCES;AT_START;DEPENDS" ${ARGN})
     set_property(GLOBAL PROPERTY tribus_folder_of_layer "${LAYER_FOLDER}")
     set_property(GLOBAL PROPERTY tribus_SOURCES_of_rooms "")
     set_property(GLOBAL PROPERTY tribus_AT_START_of_rooms "")
@@ -81,8 +82,15 @@ function(tribus_layer name)
         target_include_directories(${name} PUBLIC "${root}")
         target_link_libraries(${name} PUBLIC ${LAYER_DEPENDS} PRIVATE tribus_warnings)
         target_compile_options(${name} PRIVATE ${TRIBUS_PRODUCT_FLAGS})
-        # The sources of one codec must not fall into two: its way of a frame would be longer.
         set_target_properties(${name} PROPERTIES UNITY_BUILD ${TRIBUS_UNITY} UNITY_BUILD_BATCH_SIZE 34)
+        if(LAYER_EACH_ROOM)
+            foreach(source IN LISTS LAYER_SOURCES)
+                get_filename_component(room "${source}" DIRECTORY)
+                get_filename_component(room "${room}" NAME)
+                set_source_files_properties("${source}" PROPERTIES UNITY_GROUP "${room}")
+            endforeach()
+            set_target_properties(${name} PROPERTIES UNITY_BUILD_MODE GROUP)
+        endif()
     else()
         add_library(${name} INTERFACE)
         target_include_directories(${name} INTERFACE "${root}")

@@ -1,18 +1,20 @@
 #pragma once
 
+#include <sys/stat.h>
+
 #include <filesystem>
 #include <string>
-#include <system_error>
 
 namespace tribus {
 
-/// Whether two paths name one device, which may have several, such as those in /dev/serial/by-id.
-/// Pure if both are the same, else it asks the file system.
-inline bool is_same_device(const std::string& a, const std::string& b) {
-    std::error_code missing;
-    return std::filesystem::path(a).lexically_normal() ==
-               std::filesystem::path(b).lexically_normal() ||
-           std::filesystem::equivalent(a, b, missing);
+/// The same text for all paths of one device, which may have several, such as those in
+/// /dev/serial/by-id. Asks the file system.
+inline std::string device_identity(const std::string& path) {
+    struct stat told {};
+    if (::stat(path.c_str(), &told) != 0) {
+        return std::filesystem::path(path).lexically_normal();
+    }
+    return std::to_string(told.st_dev) + ':' + std::to_string(told.st_ino);
 }
 
 }  // namespace tribus

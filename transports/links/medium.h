@@ -102,8 +102,8 @@ struct Medium {
     /// Whether what an output sends to one place comes to an input at the other, although their
     /// names differ. Null: never.
     bool (*reaches)(const std::string& sent_to, const std::string& heard_at) = nullptr;
-    /// Whether two different names stand for one place. Null: never.
-    bool (*is_same)(const std::string& a, const std::string& b) = nullptr;
+    /// The same text for all names of one place. Null: each place has one name.
+    std::string (*identity)(const std::string& place) = nullptr;
     /// Why the place can never be used, if that is known: "this is a folder; give ...". Else empty.
     /// Null: never known.
     std::string (*refusal)(const std::string& place) = nullptr;

@@ -47,7 +47,7 @@ const Medium kEvdevMedium{
                             "button, if it has one",
                 .doctor = "looks at it"},
     .is_missing = is_absent,
-    .is_same = is_same_device,
+    .identity = device_identity,
     .open =
         [](const std::string& device, const LinkUse& use) {
             return as_link(EvdevLink::open(device, use.settings.get_or("grab", true)));

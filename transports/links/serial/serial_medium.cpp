@@ -47,7 +47,7 @@ const Medium kSerialMedium{
                 .counts = "byte",
                 .doctor = "listens there once this program is stopped"},
     .is_missing = SerialPort::is_missing,
-    .is_same = is_same_device,
+    .identity = device_identity,
     .refusal = refusal,
     .open = [](const std::string& device,
                const LinkUse& use) { return as_link(SerialPort::open(device, use.line)); },

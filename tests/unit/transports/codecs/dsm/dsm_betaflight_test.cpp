@@ -137,7 +137,7 @@ Both read_with(Hit hit, std::uint32_t seed) {
             }
         }
         std::span<const std::uint8_t> rest = bytes;
-        while (decoder.next(rest, kStart + at, decoded)) {
+        while (decoder.next(rest, dsm_lines::kStart + at, decoded)) {
             note(decoded);
         }
     }
