@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <functional>
 #include <optional>
 #include <ostream>
@@ -40,6 +41,8 @@ class TwoPrograms : public Loopback {
 
     FarEnd& receiver() { return receiver_; }
     ServoBank& servos() { return bank_; }
+    /// Outages that the machine made: at most so many losses say nothing of the programs.
+    std::size_t outages() const { return repeater_.late(); }
 
     static std::string sender_text(const BusJob& job);
     static std::string reader_text(const BusJob& job);
