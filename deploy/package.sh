@@ -130,7 +130,7 @@ build_here() {
             ${CI:+-DTRIBUS_WERROR=ON} "$@" >&2
     fi
     # shellcheck disable=SC2086 # a list of words
-    cmake --build "$folder" --parallel "$(compilers)" --target $targets >&2
+    cmake --build "$folder" --parallel "$(compilers "$with_tests")" --target $targets >&2
 }
 
 # pack_here: what is built in $folder.

@@ -80,10 +80,12 @@ install_packages() {
         install --yes --no-install-recommends $missing >&2
 }
 
-# Number of compilers that may run at once: one for each processor and for each 1.4 GiB of memory.
+# compilers ON|OFF: how many may run at once, with or without tests: one for each processor and for
+# each 1.8 or 1.4 GiB of memory.
 compilers() {
     processors=$(nproc)
-    fit=$(awk '/^MemAvailable:/ { print int($2 / 1500000) }' /proc/meminfo)
+    [ "$1" = ON ] && each=1900000 || each=1500000
+    fit=$(awk -v each=$each '/^MemAvailable:/ { print int($2 / each) }' /proc/meminfo)
     [ "$fit" -ge 1 ] || fit=1
     [ "$fit" -lt "$processors" ] && echo "$fit" || echo "$processors"
 }
@@ -94,7 +96,7 @@ build() {
     shift
     echo "Building tribus in $(pwd)/build (tests: $tests)" >&2
     cmake --preset release -DTRIBUS_TESTS="$tests" ${CI:+-DTRIBUS_WERROR=ON} >&2
-    cmake --build --preset release --parallel "$(compilers)" --target "$@" >&2
+    cmake --build --preset release --parallel "$(compilers "$tests")" --target "$@" >&2
 }
 
 # name_maintainer: sets DEBFULLNAME and DEBEMAIL, who answers for the package.
