@@ -23,7 +23,7 @@ prepare_and_build() {
     step 1 "Packages (the first time 1 to 2 minutes)"
     # shellcheck disable=SC2086,SC2154 # lists of words, from deploy/prepare.sh
     install_packages $build_packages $test_packages $bench_packages
-    step 2 "Building the program and its tests (the first time 4 to 6 minutes on two processors)"
+    step 2 "Building the program and its tests (the first time 8 to 9 minutes on two processors)"
     build ON "$@"
 }
 
@@ -39,7 +39,7 @@ run_tests() {
 
 first_tier() {
     prepare_and_build all
-    step 3 "Testing (2 minutes)"
+    step 3 "Testing (4 minutes)"
     passed=0
     run_tests --label-exclude 'lab|long' "$@" || passed=$?
     build/tests/recordings_not_read

@@ -232,9 +232,8 @@ std::vector<std::string> obstacles(const Configuration& running, const Configura
 }  // namespace
 
 bool same_device(const PortConfig& a, const PortConfig& b) {
-    return a.medium == b.medium &&
-           (a.device == b.device || (a.medium->identity != nullptr &&
-                                     a.medium->identity(a.device) == a.medium->identity(b.device)));
+    return a.medium == b.medium && (a.device == b.device || a.medium->identity_of(a.device) ==
+                                                                b.medium->identity_of(b.device));
 }
 
 CarryOver plan_carry_over(const Configuration& running, const Configuration& fresh) {

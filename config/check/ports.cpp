@@ -48,8 +48,7 @@ std::vector<NamedPort> ports_of(const Draft& draft) {
         }
     }
     for (NamedPort& each : ports) {
-        const PortConfig& port = *each.port;
-        each.identity = port.medium->identity ? port.medium->identity(port.device) : port.device;
+        each.identity = each.port->medium->identity_of(each.port->device);
     }
     return ports;
 }

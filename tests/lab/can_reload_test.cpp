@@ -25,9 +25,9 @@ class BusReload : public TwoPrograms {
             return count_of("reloaded", side.errors()) > before;
         })) << side.errors();
     }
-    /// An output that waits for its input says so once a loss.
+    /// Each of two outputs tells each loss of its input once.
     void expect_seamless(const Program& side) {
-        const std::size_t outputs = 2;
+        constexpr std::size_t outputs = 2;
         EXPECT_LE(count_of("in failsafe", side.errors()), outputs * outages()) << side.errors();
         EXPECT_LE(count_of("holding", side.errors()), outputs * outages()) << side.errors();
     }

@@ -103,9 +103,18 @@ void TwoPrograms::expect_recorded_sticks(const Program& sender, const Program& r
     EXPECT_EQ(servos().strays(), 0U);
 }
 
+void TwoPrograms::send_if_due() {
+    constexpr milliseconds kOnTheWay{50};
+    const auto before = repeater_.latest();
+    repeater_.send_if_due();
+    if (before != Clock::time_point{} && repeater_.latest() - before >= kTimeout - kOnTheWay) {
+        ++outages_;
+    }
+}
+
 bool TwoPrograms::carry_until(const std::function<bool(const SbusSight&)>& done) {
     return eventually([&] {
-        repeater_.send_if_due();
+        send_if_due();
         bool found = false;
         for (const SbusSight& sight : bank_.listen()) {
             found = found || done(sight);
@@ -126,7 +135,7 @@ std::vector<SbusSight> TwoPrograms::carry_for(milliseconds time) {
     std::vector<SbusSight> all;
     const auto end = Clock::now() + time;
     while (Clock::now() < end) {
-        repeater_.send_if_due();
+        send_if_due();
         for (const SbusSight& sight : bank_.listen()) {
             all.push_back(sight);
         }

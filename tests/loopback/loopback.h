@@ -103,22 +103,17 @@ class Repeater {
         constexpr auto kPeriod = std::chrono::milliseconds(7);
         const auto now = Clock::now();
         if (now - latest_ >= kPeriod) {
-            late_ += latest_ != Clock::time_point{} && now - latest_ >= kLate ? 1 : 0;
             latest_ = now;
             wire_.send(frame_);
         }
     }
     /// Time just before the latest frame was sent.
     Clock::time_point latest() const { return latest_; }
-    /// Number of frames that came this much behind the one before, because the machine stood still.
-    static constexpr std::chrono::milliseconds kLate{200};
-    std::size_t late() const { return late_; }
     void change(Bytes frame) { frame_ = std::move(frame); }
 
   private:
     FarEnd& wire_;
     Bytes frame_;
-    std::size_t late_ = 0;
     Clock::time_point latest_{};
 };
 

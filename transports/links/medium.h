@@ -104,6 +104,9 @@ struct Medium {
     bool (*reaches)(const std::string& sent_to, const std::string& heard_at) = nullptr;
     /// The same text for all names of one place. Null: each place has one name.
     std::string (*identity)(const std::string& place) = nullptr;
+    std::string identity_of(const std::string& device) const {
+        return identity != nullptr ? identity(device) : device;
+    }
     /// Why the place can never be used, if that is known: "this is a folder; give ...". Else empty.
     /// Null: never known.
     std::string (*refusal)(const std::string& place) = nullptr;
