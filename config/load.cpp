@@ -111,8 +111,7 @@ void add_enable_lines(Draft& draft) {
 
 Draft read_draft(const Document& document, Mistakes& mistakes, Mistakes& warnings) {
     const Reading reading{document.lost, mistakes, warnings};
-    const TableContent content =
-        read_table({document.root, {1, 1}, "the file"}, root_keys(), reading);
+    const TableContent content = read_table({document.root, {}, "the file"}, root_keys(), reading);
     Draft draft;
     draft.runtime = read_runtime(content.find("runtime"), reading);
     draft.recorder = read_recorder(content.find("recorder"), reading);
@@ -220,7 +219,9 @@ tl::expected<Configuration, std::vector<Mistake>> load_configuration_draft(
 
 tl::expected<std::string, std::vector<Mistake>> read_configuration_text(
     const std::filesystem::path& path, FileKinds kinds) {
-    auto text = read_file(path, kMostConfigurationBytes + 1, kinds);
+    // One byte more shows that the file is too long.
+    constexpr std::size_t kMostRead = kMostConfigurationBytes + 1;
+    auto text = read_file(path, kMostRead, kinds);
     if (!text) {
         return tl::unexpected(std::vector<Mistake>{
             {path.string(),

@@ -21,8 +21,10 @@ case $(dpkg --print-architecture) in
 esac
 # Packages that make mutations (tests/mutation).
 mutation_packages="libclang-common-14-dev python3-clang-14"
-# Packages that count instructions (tests/bench), on this processor and on an emulated one.
-bench_packages="g++-aarch64-linux-gnu qemu-user strace valgrind"
+# Packages that count instructions (tests/bench), on this processor and, in the second tier, on an
+# emulated one.
+bench_packages="strace valgrind"
+arm_packages="g++-aarch64-linux-gnu qemu-user"
 # Packages of the laboratory (tests/lab): an emulator, and programs of the host for its guests.
 lab_packages="can-utils cpio iproute2 kmod mount qemu-system-data qemu-system-x86 xz-utils"
 # Its full tier builds kernel modules and the package; its service tier installs that on a Debian.
@@ -81,10 +83,10 @@ install_packages() {
 }
 
 # compilers ON|OFF: how many may run at once, with or without tests: one for each processor and for
-# each 1.8 or 1.4 GiB of memory.
+# each 2.4 or 1.4 GiB of memory.
 compilers() {
     processors=$(nproc)
-    [ "$1" = ON ] && each=1900000 || each=1500000
+    [ "$1" = ON ] && each=2500000 || each=1500000
     fit=$(awk -v each=$each '/^MemAvailable:/ { print int($2 / each) }' /proc/meminfo)
     [ "$fit" -ge 1 ] || fit=1
     [ "$fit" -lt "$processors" ] && echo "$fit" || echo "$processors"

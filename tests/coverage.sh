@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 
 # shellcheck disable=SC2086,SC2154 # lists of words, from deploy/prepare.sh
 install_packages $build_packages $test_packages gcovr
-suites="unit_tests property_tests capture_tests sim_tests machine_tests loopback_tests"
+suites="unit_tests property_tests capture_tests sim_tests gpio_tests machine_tests loopback_tests"
 cmake --preset coverage >&2
 # shellcheck disable=SC2086 # a list of words
 cmake --build --preset coverage --target $suites >&2

@@ -50,6 +50,8 @@ first_tier() {
 laboratory() {
     tests/lab/prepare.sh "$1" build/lab ||
         echo "The laboratory could not be prepared: its tests will fail, the others run." >&2
+    # shellcheck disable=SC2086,SC2154 # a list of words, from deploy/prepare.sh
+    [ "$1" != full ] || install_packages $arm_packages
     # The package that the service tier installs has the page.
     [ "$1" != service ] || build_page
     # After prepare.sh, because CMake looks whether libgpiod 2 is there.
@@ -130,7 +132,15 @@ case ${1:-} in
             *gpio* | *input* | *modules* | *ppm* | *pwm* | *realtime* | *package*) tier=full ;;
             *" lab_"*) tier=fast ;;
             *)
-                prepare_and_build all
+                targets=all
+                case "$*" in *OnArm*)
+                    # shellcheck disable=SC2086,SC2154 # a list of words, from deploy/prepare.sh
+                    install_packages $arm_packages
+                    targets="all arm_programs"
+                    ;;
+                esac
+                # shellcheck disable=SC2086 # a list of words
+                prepare_and_build $targets
                 step 3 "Testing"
                 run_tests -R "$(groups "$@")"
                 exit

@@ -20,7 +20,7 @@ case $preset in
         ;;
     addresses)
         compiler="clang-14 libclang-rt-14-dev llvm-14"
-        suites="unit_tests property_tests capture_tests sim_tests machine_tests loopback_tests"
+        suites="unit_tests property_tests capture_tests sim_tests gpio_tests machine_tests loopback_tests"
         ;;
     *) usage ;;
 esac

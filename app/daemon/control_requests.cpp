@@ -41,12 +41,18 @@ ControlServer::LateAnswer known(std::string text) {
 
 /// Outcome of the change, once it has begun and ended. The daemon may have stopped meanwhile, for
 /// an earlier request.
-std::optional<std::string> outcome_of(const Daemon& daemon, std::optional<std::uint64_t> change) {
+std::optional<std::string> outcome_of(const Daemon& daemon, std::optional<std::uint64_t> change,
+                                      std::string (*text)(const ReloadOutcome&) = outcome_text) {
     if (!daemon.runs()) {
         return error_object("nothing runs any more");
     }
     const auto outcome = change ? daemon.outcome_of(*change) : std::nullopt;
-    return outcome ? std::optional(outcome_text(*outcome)) : std::nullopt;
+    return outcome ? std::optional(text(*outcome)) : std::nullopt;
+}
+
+/// Who cannot confirm needs the reason, which is one.
+std::string confirmed_text(const ReloadOutcome& outcome) {
+    return outcome.taken ? outcome_text(outcome) : error_object(outcome.lines.front());
 }
 
 ControlServer::LateAnswer reload(Daemon& daemon, Words words) {
@@ -109,10 +115,7 @@ ControlServer::LateAnswer confirm(Daemon& daemon, Words words) {
             }
             change = daemon.begin_confirming();
         }
-        const auto outcome =
-            change && daemon.runs() ? daemon.outcome_of(*change) : std::optional<ReloadOutcome>();
-        return outcome && !outcome->taken ? error_object(outcome->lines.front())
-                                          : outcome_of(daemon, change);
+        return outcome_of(daemon, change, confirmed_text);
     };
 }
 

@@ -176,11 +176,7 @@ void Daemon::restart() {
 }
 
 void Daemon::look(Instant now) {
-    if (trial_ && now >= trial_->end) {
-        log_warning("the trial was not confirmed");
-        begin_going_back();
-    }
-    if (appliance_ && appliance_->restart_wanted()) {
+    if (appliance_->restart_wanted()) {
         restart();
     }
     if (!appliance_) {

@@ -41,8 +41,8 @@ class Daemon {
     /// This and all functions below: only while `runs` is true.
     const Configuration& configuration() const { return appliance_->configuration(); }
 
-    /// Call it a few times a second. Reopens devices, reports changes, ends a trial that nobody
-    /// confirmed, and restarts if another DroneCAN node asked for it.
+    /// Call it a few times a second. Reopens devices, reports changes, and restarts if another
+    /// DroneCAN node asked for it.
     void look(Instant now);
 
     /// Begins a reload. Another thread reads the file and prepares it; `go_on` takes it between two
@@ -73,8 +73,8 @@ class Daemon {
     /// Result of a change; nothing while it is under way.
     std::optional<ReloadOutcome> outcome_of(std::uint64_t change) const;
 
-    /// Continues the change that is under way, without waiting. Call it when `descriptor` is
-    /// readable and at `due`.
+    /// Continues the change that is under way, without waiting, and ends a trial that nobody
+    /// confirmed. Call it when `descriptor` is readable and at `due`.
     void go_on(Instant now);
     /// -1 while no change is under way.
     int descriptor() const { return change_ ? change_->preparation->descriptor() : -1; }

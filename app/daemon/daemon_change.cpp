@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <string>
 #include <utility>
@@ -124,10 +125,12 @@ std::optional<ReloadOutcome> Daemon::outcome_of(std::uint64_t change) const {
 }
 
 Instant Daemon::due() const {
+    const Instant trial_end = trial_ ? trial_->end : kNever;
     if (change_) {
-        return change_->kind == ChangeKind::back ? kNever : change_->latest_end;
+        return change_->kind == ChangeKind::back ? kNever
+                                                 : std::min(trial_end, change_->latest_end);
     }
-    return hung_up_ ? next_hang_up_ : kNever;
+    return hung_up_ ? std::min(trial_end, next_hang_up_) : trial_end;
 }
 
 void Daemon::go_on(Instant now) {
@@ -145,6 +148,10 @@ void Daemon::go_on(Instant now) {
         const Mistake unread{path_, {}, "was not read within a minute", true};
         remember(number,
                  confirms ? ReloadOutcome{.lines = {format_mistake(unread)}} : refuse({unread}));
+    }
+    if (trial_ && appliance_ && now >= trial_->end) {
+        log_warning("the trial was not confirmed");
+        begin_going_back();
     }
     if (hung_up_ && !change_ && appliance_ && now >= next_hang_up_) {
         hung_up_ = false;

@@ -78,7 +78,7 @@ void DaemonSockets::look() {
 
 std::vector<int> DaemonSockets::descriptors() const {
     std::vector<int> descriptors;
-    // The main loop adds that of a reload.
+    // One allocation at each wake-up; the main loop adds the descriptor of a reload.
     descriptors.reserve(3);
     for (const auto* server : {control_.get(), look_.get()}) {
         if (server != nullptr) {

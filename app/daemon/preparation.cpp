@@ -45,9 +45,8 @@ struct Preparation::Work {
 
 void* Preparation::main(void* given) {
     ::pthread_setname_np(::pthread_self(), "tribus-reload");
-    std::unique_ptr<std::shared_ptr<Work>> work(static_cast<std::shared_ptr<Work>*>(given));
-    (*work)->run();
-    work.reset();
+    // This thread's share of the work, and so perhaps the result, is gone before the count drops.
+    (*std::unique_ptr<std::shared_ptr<Work>>(static_cast<std::shared_ptr<Work>*>(given)))->run();
     --preparations_running;
     return nullptr;
 }

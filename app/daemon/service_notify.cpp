@@ -33,18 +33,17 @@ std::optional<std::pair<sockaddr_un, socklen_t>> address_of(std::string_view nam
         return std::nullopt;
     }
     std::memcpy(address.sun_path, name.data(), name.size());
-    // An abstract name begins with a zero byte and has none at its end.
-    const bool abstract = name.front() == '@';
-    if (abstract) {
+    if (name.front() == '@') {
         address.sun_path[0] = '\0';
     }
-    const std::size_t length = offsetof(sockaddr_un, sun_path) + name.size() + (abstract ? 0U : 1U);
+    // An abstract name has no zero byte at its end; behind a path the kernel adds it.
+    const std::size_t length = offsetof(sockaddr_un, sun_path) + name.size();
     return std::pair(address, static_cast<socklen_t>(length));
 }
 
 std::optional<std::uint64_t> number_in(const char* variable) {
     const char* const text = std::getenv(variable);
-    std::uint64_t number = 0;
+    std::uint64_t number{};
     if (text == nullptr) {
         return std::nullopt;
     }
@@ -100,7 +99,8 @@ NotifySocket NotifySocket::from_environment() {
         ::connect(socket.get(), reinterpret_cast<const sockaddr*>(&address->first),
                   address->second) != 0) {
         log_warning("cannot notify the service manager at {}: {}", name,
-                    address ? std::strerror(errno) : "neither a path nor an abstract name");
+                    address ? std::strerror(errno)
+                            : "neither a path nor an abstract name of at most 107 bytes");
         return made;
     }
     made.socket_ = std::move(socket);

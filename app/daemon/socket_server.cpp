@@ -17,16 +17,17 @@ namespace {
 /// processor.
 constexpr Duration kAcceptPause = std::chrono::seconds(1);
 
-/// User id of the other side of a local socket; 0 for other sockets.
+/// User id of the other side of a local socket; the same one for all other sockets.
 std::uint32_t user_of(int descriptor) {
     ucred peer{};
     socklen_t size = sizeof peer;
-    const bool known = ::getsockopt(descriptor, SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0;
-    return known ? peer.uid : 0;
+    ::getsockopt(descriptor, SOL_SOCKET, SO_PEERCRED, &peer, &size);
+    return peer.uid;
 }
 
 bool hung_up(int descriptor) {
-    pollfd state{.fd = descriptor, .events = 0, .revents = 0};
+    pollfd state{};
+    state.fd = descriptor;
     return ::poll(&state, 1, 0) != 0;
 }
 
@@ -37,7 +38,6 @@ tl::expected<SocketServer, std::string> SocketServer::make(UniqueFd listener, So
     UniqueFd epoll(::epoll_create1(EPOLL_CLOEXEC));
     epoll_event event{};
     event.events = EPOLLIN;
-    event.data.fd = listener.get();
     if (!epoll.valid() || ::epoll_ctl(epoll.get(), EPOLL_CTL_ADD, listener.get(), &event) != 0) {
         return tl::unexpected(std::string("epoll: ") + std::strerror(errno));
     }
@@ -57,7 +57,6 @@ void SocketServer::watch(const SocketClient& client) {
     epoll_event event{};
     const bool wants_more = client.ready() && !client.ended() && !client.request_too_long();
     event.events = (wants_more ? EPOLLIN : 0U) | (client.ready() ? 0U : EPOLLOUT);
-    event.data.fd = client.descriptor();
     if (::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, client.descriptor(), &event) != 0) {
         ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, client.descriptor(), &event);
     }
@@ -167,7 +166,6 @@ void SocketServer::serve(Instant now) {
         accepting_ = true;
         epoll_event event{};
         event.events = EPOLLIN;
-        event.data.fd = listener_.get();
         ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, listener_.get(), &event);
     }
     if (accepting_) {

@@ -18,7 +18,6 @@ void Watchdog::restart() {
     looked_at_.reset();
     watched_.reset();
     judged_.reset();
-    outputs_.clear();
     standing_ = {};
     punctuality_ = Punctuality::on_time;
 }
@@ -54,9 +53,9 @@ Punctuality Watchdog::judge(Instant published, std::span<const OutputProgress> o
         // The data thread does all that is due before it publishes.
         const bool skipped = later(output.due, output.period) < published;
         const auto missed = comparable ? output.overruns - outputs_[i].progress.overruns : 0;
-        const bool misses_half = missed > 0 && static_cast<double>(missed) * 2.0 *
-                                                       static_cast<double>(output.period.count()) >
-                                                   static_cast<double>(window.count());
+        const bool misses_half =
+            static_cast<double>(missed) * 2.0 * static_cast<double>(output.period.count()) >
+            static_cast<double>(window.count());
         // A stop of the whole program makes an output miss its turns once, not twice in a row.
         const bool late = skipped || (misses_half && outputs_[i].missed_half);
         if (late && judged == Punctuality::on_time) {

@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "config/check/pairs.h"
 #include "config/schema/value_catalog.h"
 #include "core/quotes.h"
 #include "transports/links/can/can_link.h"
@@ -131,12 +132,9 @@ void check_lane_counts(const std::vector<CanUse>& uses, Mistakes& mistakes) {
 
 void check_can_ids(const Draft& draft, Reading reading) {
     const auto uses = can_uses(draft);
-    for (std::size_t i = 0; i < uses.size(); ++i) {
-        for (std::size_t j = i + 1; j < uses.size(); ++j) {
-            const bool in_order = uses[i].port->where.line <= uses[j].port->where.line;
-            check_pair(uses[in_order ? i : j], uses[in_order ? j : i], reading);
-        }
-    }
+    for_each_pair(
+        uses, [](const CanUse& use) { return use.port->where.line; },
+        [&](const CanUse& earlier, const CanUse& later) { check_pair(earlier, later, reading); });
     check_lane_counts(uses, reading.mistakes);
 }
 

@@ -11,6 +11,7 @@
 #include "config/check/dronecan.h"
 #include "config/check/lines.h"
 #include "config/check/links.h"
+#include "config/check/pairs.h"
 #include "config/check/ports.h"
 #include "config/check/values.h"
 #include "config/schema/notation.h"
@@ -58,8 +59,11 @@ std::vector<PortUse> port_uses(const Draft& draft) {
     }
     for (const OutputDraft& output : draft.outputs) {
         if (output.port_sound) {
-            uses.push_back({"output", output.config.name, &output.config.port, false,
-                            output.needs_pipeline && is_timed_by_receiver(output.config)});
+            uses.push_back(
+                {.direction = "output",
+                 .name = output.config.name,
+                 .port = &output.config.port,
+                 .hears_replies = output.needs_pipeline && is_timed_by_receiver(output.config)});
         }
     }
     for (const SensorBusDraft& bus : draft.sensor_buses) {
@@ -117,20 +121,15 @@ void check_pair(const PortUse& earlier, const PortUse& later, Mistakes& mistakes
 }
 
 void check_devices(const Draft& draft, Mistakes& mistakes) {
-    const auto uses = port_uses(draft);
-    const auto before = [](const PortUse& a, const PortUse& b) {
-        return a.port->where.line < b.port->where.line;
-    };
-    for (std::size_t i = 0; i < uses.size(); ++i) {
-        for (std::size_t j = i + 1; j < uses.size(); ++j) {
-            const PortConfig& port = *uses[i].port;
-            if (port.medium->users != Users::many && port.medium == uses[j].port->medium &&
-                port.device == uses[j].port->device) {
-                const bool in_order = !before(uses[j], uses[i]);
-                check_pair(uses[in_order ? i : j], uses[in_order ? j : i], mistakes);
+    for_each_pair(
+        port_uses(draft), [](const PortUse& use) { return use.port->where.line; },
+        [&](const PortUse& earlier, const PortUse& later) {
+            const PortConfig& port = *earlier.port;
+            if (port.medium->users != Users::many && port.medium == later.port->medium &&
+                port.device == later.port->device) {
+                check_pair(earlier, later, mistakes);
             }
-        }
-    }
+        });
 }
 
 /// A configuration with values only works without a pipeline.

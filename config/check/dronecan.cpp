@@ -82,8 +82,8 @@ class NodeChecks {
             return;
         }
         const std::string who = fmt::format("[output.{}]", output.config.name);
-        const auto [claim, first] =
-            claims_.try_emplace(output.config.port.device, NodeClaim{id, false, who, output.where});
+        const auto [claim, first] = claims_.try_emplace(
+            output.config.port.device, NodeClaim{.id = id, .who = who, .where = output.where});
         NodeClaim& known = claim->second;
         if (first || known.id == id) {
             return;
@@ -124,7 +124,7 @@ class NodeChecks {
         const SettingValues& settings = output.config.settings;
         const std::string message =
             fmt::format("{} {}", settings.get_or<std::string>("carries", "rc"),
-                        settings.get_or<std::int64_t>("receiver", 0));
+                        settings.get_or<std::int64_t>("receiver", {}));
         const auto [known, first] =
             sent_.try_emplace(fmt::format("{} {}", output.config.port.device, message), &output);
         if (!first) {

@@ -9,6 +9,7 @@
 
 #include "config/schema/notation.h"
 #include "core/quotes.h"
+#include "pipelines/engine/output.h"
 #include "pipelines/rules/line_words.h"
 
 namespace tribus {
@@ -22,12 +23,13 @@ bool same_line(const GpioPlace& a, const GpioPlace& b) {
 }
 
 void check_places(const Draft& draft, Mistakes& mistakes) {
-    for (std::size_t later = 0; later < draft.lines.size(); ++later) {
-        const LineDraft& line = draft.lines[later];
-        for (std::size_t earlier = 0; earlier < later; ++earlier) {
-            const LineDraft& other = draft.lines[earlier];
-            if (line.place_sound && other.place_sound &&
-                same_line(line.config.place, other.config.place)) {
+    for (const LineDraft& line : draft.lines) {
+        for (const LineDraft& other : draft.lines) {
+            if (&other == &line) {
+                break;
+            }
+            // A place that could not be read is like no other.
+            if (line.place_sound && same_line(line.config.place, other.config.place)) {
                 mistakes.add(line.config.where,
                              fmt::format("line {} is already used by [{}.{}] in line {} of the "
                                          "file; a line has one role",
@@ -91,7 +93,7 @@ void check_select(const LineDraft& line, const Draft& draft, Mistakes& mistakes)
         const auto& inputs = pipeline.selection.inputs;
         return inputs.size() > 1 && std::ranges::find(inputs, input) != inputs.end();
     });
-    if (input < draft.inputs.size() && !chooses && !draft.inputs_uncertain) {
+    if (input != kNoInput && !chooses && !draft.inputs_uncertain) {
         mistakes.add(
             line.where,
             fmt::format(

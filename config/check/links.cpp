@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "config/check/pairs.h"
 #include "core/quotes.h"
 
 namespace tribus {
@@ -40,10 +41,13 @@ void collect(const Drafts& drafts, std::string_view direction, std::vector<KeptL
     }
 }
 
+std::optional<std::filesystem::path> epoch_file(const LinkWithKey& link) {
+    return link.epoch ? std::optional(std::filesystem::path(*link.epoch).lexically_normal())
+                      : std::nullopt;
+}
+
 bool share_their_numbers(const LinkWithKey& a, const LinkWithKey& b) {
-    return a.epoch && b.epoch &&
-           std::filesystem::path(*a.epoch).lexically_normal() ==
-               std::filesystem::path(*b.epoch).lexically_normal();
+    return a.epoch && epoch_file(a) == epoch_file(b);
 }
 
 void compare(const KeptLink& earlier, const KeptLink& later, Mistakes& mistakes) {
@@ -72,12 +76,9 @@ void check_links(const Draft& draft, Mistakes& mistakes) {
     std::vector<KeptLink> links;
     collect(draft.inputs, "input", links);
     collect(draft.outputs, "output", links);
-    std::ranges::stable_sort(links, {}, [](const KeptLink& link) { return link.where.line; });
-    for (std::size_t i = 0; i < links.size(); ++i) {
-        for (std::size_t j = i + 1; j < links.size(); ++j) {
-            compare(links[i], links[j], mistakes);
-        }
-    }
+    for_each_pair(
+        std::move(links), [](const KeptLink& link) { return link.where.line; },
+        [&](const KeptLink& earlier, const KeptLink& later) { compare(earlier, later, mistakes); });
 }
 
 }  // namespace tribus

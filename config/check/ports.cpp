@@ -1,14 +1,13 @@
 #include "config/check/ports.h"
 
-#include <cstddef>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <variant>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "config/check/pairs.h"
 #include "core/quotes.h"
 
 namespace tribus {
@@ -96,20 +95,19 @@ void doubt_loop(const NamedPort& sender, const NamedPort& hearer, Mistakes& warn
 
 void doubt_ports(const Draft& draft, Mistakes& warnings) {
     const auto ports = ports_of(draft);
-    for (std::size_t i = 0; i < ports.size(); ++i) {
-        doubt_path(*ports[i].port, warnings);
-        for (std::size_t j = i + 1; j < ports.size(); ++j) {
-            const PortConfig& one = *ports[i].port;
-            const PortConfig& other = *ports[j].port;
-            if (one.medium != other.medium || one.device == other.device) {
-                continue;
-            }
-            const bool in_order = one.where.line <= other.where.line;
-            doubt_two_names(ports[in_order ? i : j], ports[in_order ? j : i], warnings);
-            doubt_loop(ports[i], ports[j], warnings);
-            doubt_loop(ports[j], ports[i], warnings);
-        }
+    for (const NamedPort& port : ports) {
+        doubt_path(*port.port, warnings);
     }
+    for_each_pair(
+        ports, [](const NamedPort& port) { return port.port->where.line; },
+        [&](const NamedPort& earlier, const NamedPort& later) {
+            if (earlier.port->medium == later.port->medium &&
+                earlier.port->device != later.port->device) {
+                doubt_two_names(earlier, later, warnings);
+                doubt_loop(earlier, later, warnings);
+                doubt_loop(later, earlier, warnings);
+            }
+        });
 }
 
 }  // namespace tribus

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <string_view>
@@ -118,24 +119,25 @@ void check_use(const ValueUse& used, NameCheck& names, Mistakes& mistakes) {
 /// A field that no value feeds is sent as 0, and half of a position is another place.
 void check_position(const SensorConfig& sensor, Mistakes& mistakes) {
     constexpr std::array<std::string_view, 2> kCoordinates{"latitude", "longitude"};
+    const auto& fields = sensor.type.fields;
     std::vector<std::size_t> missing;
-    std::size_t coordinates = 0;
-    for (std::size_t i = 0; i < sensor.type.fields.size(); ++i) {
-        if (std::ranges::find(kCoordinates, sensor.type.fields[i].name) != kCoordinates.end()) {
-            ++coordinates;
-            if (sensor.values[i].empty()) {
-                missing.push_back(i);
-            }
+    for (const std::string_view coordinate : kCoordinates) {
+        const auto field = std::ranges::find(fields, coordinate, &SensorField::name);
+        if (field == fields.end()) {
+            return;
+        }
+        const auto place = static_cast<std::size_t>(field - fields.begin());
+        if (sensor.values.at(place).empty()) {
+            missing.push_back(place);
         }
     }
-    if (coordinates == kCoordinates.size() && !missing.empty()) {
-        mistakes.add(
-            sensor.where[missing.front()],
-            fmt::format("{} sends a position, and {} of it would be 0; latitude and "
-                        "longitude are needed, both",
-                        in_quotes(sensor.type.name),
-                        missing.size() == 1 ? in_quotes(sensor.type.fields[missing.front()].name)
-                                            : std::string("both")));
+    if (!missing.empty()) {
+        mistakes.add(sensor.where[missing.front()],
+                     fmt::format("{} sends a position, and {} of it would be 0; latitude and "
+                                 "longitude are needed, both",
+                                 in_quotes(sensor.type.name),
+                                 missing.size() == 1 ? in_quotes(fields[missing.front()].name)
+                                                     : std::string("both")));
     }
 }
 
@@ -180,15 +182,15 @@ void check_own_names(const Draft& draft, Mistakes& mistakes) {
 }
 
 void check_own_types(const Draft& draft, Mistakes& mistakes) {
-    for (std::size_t i = 0; i < draft.sensor_types.size(); ++i) {
-        for (std::size_t j = 0; j < i; ++j) {
-            if (draft.sensor_types[i].id == draft.sensor_types[j].id) {
-                mistakes.add(draft.sensor_type_places[i],
-                             fmt::format("[sensor_type.{}] has the id {}, and so has "
-                                         "[sensor_type.{}]; give one of them another id",
-                                         draft.sensor_types[i].name, draft.sensor_types[i].id,
-                                         draft.sensor_types[j].name));
-            }
+    std::map<std::uint8_t, std::string_view> names;
+    auto place = draft.sensor_type_places.begin();
+    for (const SensorType& type : draft.sensor_types) {
+        const Location where = *place++;
+        const auto [known, first] = names.emplace(type.id, type.name);
+        if (!first) {
+            mistakes.add(where, fmt::format("[sensor_type.{}] has the id {}, and so has "
+                                            "[sensor_type.{}]; give one of them another id",
+                                            type.name, type.id, known->second));
         }
     }
 }

@@ -22,14 +22,12 @@ bool is_number_or_word(char c) {
 
 /// Length of the text with its quotes at the start of `rest`; to the end if it does not end.
 std::size_t quoted_length(std::string_view rest) {
-    const char quote = rest.front();
-    for (std::size_t at = 1; at < rest.size(); ++at) {
-        if (rest[at] == quote) {
-            return at + 1;
-        }
-        at += quote == '"' && rest[at] == '\\' ? 1U : 0U;
+    const std::string_view ends = rest.front() == '"' ? "\"\\" : "'";
+    std::size_t at = rest.find_first_of(ends, 1);
+    while (at != std::string_view::npos && rest[at] == '\\') {
+        at = rest.find_first_of(ends, at + 2);
     }
-    return rest.size();
+    return at == std::string_view::npos ? rest.size() : at + 1;
 }
 
 bool has_hex_digits(std::string_view text, std::size_t count) {
@@ -66,14 +64,11 @@ std::string with_double_backslashes(std::string_view content) {
 }
 
 std::optional<Correction> correct_text(const LinePart& part) {
-    const bool basic = part.text.starts_with('"') && !part.text.starts_with("\"\"\"");
-    // Its last backslash takes the quote that should end it.
-    const bool open = basic && part.text.size() > 2 && part.text.ends_with("\\\"") &&
-                      has_wrong_escape(part.text.substr(1, part.text.size() - 2));
-    const bool closed = basic && part.text.size() > 1 && part.text.ends_with('"');
+    // The quote at its end may belong to a backslash that was meant as itself.
+    const bool closed = part.text.starts_with('"') && part.text.ends_with('"');
     const std::string_view content =
         closed ? part.text.substr(1, part.text.size() - 2) : std::string_view{};
-    if (!open && !has_wrong_escape(content)) {
+    if (!has_wrong_escape(content)) {
         return std::nullopt;
     }
     const std::string doubled = "\"" + with_double_backslashes(content) + "\"";
@@ -94,7 +89,7 @@ bool is_part(const std::vector<LinePart>& parts, std::size_t at, std::string_vie
 
 std::optional<Correction> correct_number(const std::vector<LinePart>& parts, std::size_t at) {
     const LinePart& part = parts[at];
-    if (part.in_quotes || is_part(parts, at + 1, "=")) {
+    if (is_part(parts, at + 1, "=")) {
         return std::nullopt;
     }
     const auto repair = repaired_number(part.text);

@@ -37,7 +37,7 @@ namespace {
 bool starts_statement(std::string_view line) {
     const std::string_view text = trimmed(line);
     const std::size_t equals = text.find('=');
-    return is_header(line) || (!text.empty() && equals != std::string_view::npos &&
+    return is_header(line) || (equals != std::string_view::npos &&
                                std::all_of(text.begin(), text.begin() + std::ptrdiff_t(equals),
                                            [](char c) { return is_word(c) || c == ' '; }));
 }

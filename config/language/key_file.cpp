@@ -63,7 +63,7 @@ bool secrets_forbidden = false;
 SecretKey stand_in(const std::filesystem::path& path) {
     SecretKey secret{};
     secret.front() = 1;
-    std::size_t at = 1;
+    std::size_t at = 0;
     for (const char c : path.lexically_normal().string()) {
         constexpr unsigned kFactor = 31;
         std::uint8_t& byte = secret[1 + at++ % (secret.size() - 1)];

@@ -21,7 +21,8 @@ bool has_large_prefix(std::string_view word) {
 }
 
 std::string_view without_leading_zeros(std::string_view digits) {
-    return digits.substr(std::min(digits.find_first_not_of("0_"), digits.size() - 1));
+    const std::size_t first = digits.find_first_not_of("0_");
+    return first == std::string_view::npos ? "0" : digits.substr(first);
 }
 
 }  // namespace
@@ -63,7 +64,7 @@ std::optional<Value> value_in_text(const Value& value) {
     }
     const auto repair = repaired_number(*text);
     auto table = parse_toml("value = " + (repair ? repair->number : *text));
-    if (!table || table->entries.size() != 1) {
+    if (!table) {
         return std::nullopt;
     }
     Value inside = std::move(table->entries.front().value);

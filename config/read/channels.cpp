@@ -122,7 +122,7 @@ FromLine read_line_name(const TableContent& content, Draft* draft, Reading readi
                                  : fmt::format("no line with role \"button\" is named {}; {}",
                                                in_quotes(*name), suggestion(*name, buttons)));
     }
-    return {meant ? index_of(draft->lines, *meant).value_or(0) : 0};
+    return meant ? FromLine{*index_of(draft->lines, *meant)} : FromLine{};
 }
 
 ChannelSource read_source(const TableContent& content, Draft* draft, Reading reading) {
@@ -135,8 +135,11 @@ ChannelSource read_source(const TableContent& content, Draft* draft, Reading rea
     if (content.given("fixed")) {
         return Fixed{pulse_of(content, "fixed").value_or(kCentrePulse)};
     }
-    const auto channel =
-        static_cast<std::size_t>(content.values().get_or<std::int64_t>("from", 1) - 1);
+    const auto* from = content.values().find_as<std::int64_t>("from");
+    if (from == nullptr) {
+        return FromChannel{};
+    }
+    const auto channel = static_cast<std::size_t>(*from - 1);
     if (content.given("above") || content.given("below")) {
         return Switch{channel, pulse_of(content, "above"), pulse_of(content, "below")};
     }

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <variant>
 
 #include <fmt/format.h>
 
-#include "config/keys/keys.h"
 #include "config/schema/notation.h"
 #include "core/quotes.h"
 
@@ -52,7 +52,7 @@ ChannelReach raw_reach(const ChannelRule& rule) {
         return kFullTravel;
     }
     if (std::holds_alternative<Mix>(rule.source)) {
-        return {0, kMostWirePulse};
+        return kWireReach;
     }
     const double trim = rule.trim.microseconds();
     return {kStickReach.low + std::min(trim, 0.0), kStickReach.high + std::max(trim, 0.0)};
@@ -74,16 +74,13 @@ ChannelReach reach_of(std::size_t channel, const std::vector<ChannelRule>& rules
 
 void doubt_rule(const ValueRule& rule, RuleUse use, std::string_view title, ChannelReach reach,
                 Location where, Mistakes& warnings) {
-    if (rule.all_zero || !(rule.below || rule.above || rule.between)) {
+    if (rule.all_zero) {
         return;
     }
     const bool always = fulfilled(rule, kFullTravel) == Share::all;
     if (always && use != RuleUse::release) {
         warnings.add(where, fmt::format("{}: {} {}; give a narrower range", title, kEveryStick,
                                         if_always(use)));
-        return;
-    }
-    if (use == RuleUse::loss) {
         return;
     }
     const Share share = fulfilled(rule, reach);
@@ -107,8 +104,8 @@ void doubt_rule(const ValueRule& rule, RuleUse use, std::string_view title, Chan
 void doubt_slew(std::optional<double> us_per_second, std::string_view key, Location where,
                 Mistakes& warnings) {
     constexpr double kTravel = 1000;
-    constexpr double kMostSeconds = 60;
-    if (us_per_second && *us_per_second * kMostSeconds < kTravel) {
+    constexpr std::int64_t kMostSeconds = 60;
+    if (us_per_second && std::lround(kTravel / *us_per_second) > kMostSeconds) {
         warnings.add(where, fmt::format("{} is {}, so the way from 1000 to 2000 us takes {} "
                                         "seconds; usual are \"500us/s\" and more",
                                         in_quotes(key), in_quotes(format_slew(*us_per_second)),

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "config/keys/keys.h"
 #include "config/language/mistakes.h"
 #include "config/read/draft.h"
 #include "pipelines/rules/settings.h"
@@ -29,6 +30,8 @@ struct ChannelReach {
 inline constexpr ChannelReach kStickReach{988, 2012};
 /// Full travel: every stick gets there.
 inline constexpr ChannelReach kFullTravel{1000, 2000};
+/// Whatever can be received.
+inline constexpr ChannelReach kWireReach{0, kMostWirePulse};
 
 /// How far the output channel can get with these rules.
 ChannelReach reach_of(std::size_t channel, const std::vector<ChannelRule>& rules);

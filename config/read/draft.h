@@ -117,7 +117,6 @@ std::optional<std::size_t> index_of(const Drafts& drafts, std::string_view name)
 template <class Drafts>
 std::vector<std::string_view> names_in(const Drafts& drafts) {
     std::vector<std::string_view> names;
-    names.reserve(drafts.size());
     for (const auto& draft : drafts) {
         names.emplace_back(draft.config.name);
     }

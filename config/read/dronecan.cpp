@@ -13,9 +13,9 @@
 namespace tribus {
 namespace {
 
+/// Of a text that is not empty.
 bool is_node_name(std::string_view name) {
-    return !name.empty() && name.size() <= dronecan::kLongestNodeName &&
-           std::ranges::all_of(name, [](char c) {
+    return name.size() <= dronecan::kLongestNodeName && std::ranges::all_of(name, [](char c) {
                return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '.' || c == '_' ||
                       c == '-';
            });

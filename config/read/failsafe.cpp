@@ -34,15 +34,16 @@ struct Given {
         return content && content->given(key) && content->sound(key);
     }
     bool has_mistaken(std::string_view key) const { return content && !content->sound(key); }
+    bool has_mistaken_presets() const { return content && content->given("preset") && !presets; }
 };
 
-/// The channels that `preset` names, one bit each.
+/// The channels that `preset` names, one bit each. A key that is no channel may mean any.
 std::uint32_t named_in(const Value& preset) {
     const auto* table = preset.as<Table>();
     std::uint32_t channels = 0;
     for (const Entry& entry : table == nullptr ? std::vector<Entry>{} : table->entries) {
         const auto channel = channel_of(entry.key);
-        channels |= channel ? 1U << *channel : entry.key == kOtherChannels ? kAllChannels : 0U;
+        channels |= channel ? 1U << *channel : kAllChannels;
     }
     return channels;
 }
@@ -65,11 +66,10 @@ void doubt_preset(std::size_t channel, Pulse preset, const ChannelRule& rule, Lo
 
 void doubt_presets(const Value& value, const Presets& presets,
                    const std::vector<ChannelRule>& rules, Mistakes& warnings) {
-    const auto* table = value.as<Table>();
+    const Table& table = *value.as<Table>();
     for (const ChannelRule& rule : rules) {
-        const Entry* own =
-            table == nullptr ? nullptr : table->find(std::to_string(rule.output + 1));
-        const Entry* entry = own != nullptr || table == nullptr ? own : table->find(kOtherChannels);
+        const Entry* own = table.find(std::to_string(rule.output + 1));
+        const Entry* entry = own != nullptr ? own : table.find(kOtherChannels);
         doubt_preset(rule.output, presets[rule.output], rule,
                      entry != nullptr ? entry->value.where : value.where, "the preset", warnings);
     }
@@ -150,15 +150,16 @@ GivenByOutput read_outputs(const Value& value, const PipelineConfig& pipeline, c
     return result;
 }
 
-FailsafeAction default_action(const OutputConfig& output) {
-    return output.protocol != nullptr && output.protocol->signals_failsafe(output.settings)
-               ? FailsafeAction::preset
-               : FailsafeAction::silence;
+/// Whether it cannot, as far as the settings can be read.
+bool cannot_say_failsafe(const OutputDraft& draft) {
+    const OutputConfig& output = draft.config;
+    return draft.settings_sound && !output.protocol->signals_failsafe(output.settings);
 }
 
-FailsafeSettings combine(const Given& own, const Given& shared, const OutputConfig& output) {
+FailsafeSettings combine(const Given& own, const Given& shared, const OutputDraft& output) {
     FailsafeSettings settings;
-    settings.action = default_action(output);
+    settings.action =
+        cannot_say_failsafe(output) ? FailsafeAction::silence : FailsafeAction::preset;
     settings.presets = default_presets();
     for (const Given* given : {&shared, &own}) {
         if (given->content) {
@@ -181,7 +182,7 @@ void check_hold_time(const FailsafeSettings& settings, const Given& given, const
     constexpr Duration kMostUnmarked = FailsafeSettings{}.hold;
     const OutputConfig& output = draft.config;
     if (settings.hold <= kMostUnmarked || !given.has("hold") || output.force ||
-        output.protocol == nullptr || !draft.settings_sound) {
+        !draft.settings_sound) {
         return;
     }
     const FrameEncoder encoder(output.protocol->make_encoder(output.settings));
@@ -196,27 +197,30 @@ void check_hold_time(const FailsafeSettings& settings, const Given& given, const
     }
 }
 
+std::size_t lowest_in(std::uint32_t channels) {
+    return static_cast<std::size_t>(std::countr_zero(channels));
+}
+
 /// Some receivers move with the default presets.
 void check_written_presets(const FailsafeSettings& settings, std::uint32_t written, Location where,
                            const OutputDraft& draft, Mistakes& mistakes) {
     const OutputConfig& output = draft.config;
-    if (settings.action != FailsafeAction::preset || output.protocol == nullptr ||
-        output.protocol->moves_by_default == nullptr || !draft.settings_sound) {
+    if (settings.action != FailsafeAction::preset || !draft.settings_sound ||
+        output.protocol->moves_by_default == nullptr) {
         return;
     }
     const auto risk = output.protocol->moves_by_default(output.settings);
-    if (!risk || (risk->channels & ~written) == 0) {
+    if (!risk) {
         return;
     }
     std::uint32_t open = risk->channels & ~written;
-    std::size_t channel = static_cast<std::size_t>(std::countr_zero(open));
-    for (; open != 0; open &= open - 1) {
-        const auto other = static_cast<std::size_t>(std::countr_zero(open));
-        if (settings.presets[other] != risk->standstill) {
-            channel = other;
-            break;
-        }
+    while (open != 0 && settings.presets[lowest_in(open)] == risk->standstill) {
+        open &= open - 1;
     }
+    if (open == 0) {
+        return;
+    }
+    const std::size_t channel = lowest_in(open);
     // One motor among channels of other kinds must not give them its standstill.
     const std::string which =
         std::popcount(risk->channels) == 1
@@ -244,10 +248,10 @@ void doubt_default_presets(const FailsafeSettings& settings, const PipelineConfi
 }
 
 /// Rule: an output is silent or says failsafe; it never repeats old values without a mark.
-void check_hold(const FailsafeSettings& settings, const Given& given, const OutputConfig& output,
+void check_hold(const FailsafeSettings& settings, const Given& given, const OutputDraft& draft,
                 Mistakes& mistakes) {
-    if (settings.action == FailsafeAction::hold && output.protocol != nullptr &&
-        !output.protocol->signals_failsafe(output.settings)) {
+    if (settings.action == FailsafeAction::hold && cannot_say_failsafe(draft)) {
+        const OutputConfig& output = draft.config;
         mistakes.add(given.content->where("action"),
                      fmt::format("\"action\" is \"hold\", but {} of output {} cannot say failsafe: "
                                  "it would repeat old values unmarked; allowed there: \"preset\", "
@@ -292,26 +296,24 @@ std::vector<FailsafeSettings> read_failsafe(const Entry* entry, const PipelineCo
     bool shared_used = shared.has("action") || shared.has_mistaken("action") ||
                        draft.outputs_uncertain || pipeline.outputs.empty();
     for (const std::size_t index : pipeline.outputs) {
-        const OutputConfig& output = draft.outputs[index].config;
-        const Given& mine = own[output.name];
+        const OutputDraft& output = draft.outputs[index];
+        const Given& mine = own[output.config.name];
         result.push_back(combine(mine, shared, output));
         const Given& acting = mine.has("action") ? mine : shared;
         check_hold(result.back(), acting, output, reading.mistakes);
-        check_hold_time(result.back(), mine.has("hold") ? mine : shared, draft.outputs[index],
-                        reading.mistakes);
-        if (!mine.has_mistaken("preset") && !shared.has_mistaken("preset")) {
+        check_hold_time(result.back(), mine.has("hold") ? mine : shared, output, reading.mistakes);
+        if (!mine.has_mistaken_presets() && !shared.has_mistaken_presets()) {
             check_written_presets(
                 result.back(), mine.presets ? mine.preset_channels : shared.preset_channels,
-                acting.has("action") ? acting.content->where("action") : draft.outputs[index].where,
-                draft.outputs[index], reading.mistakes);
+                acting.has("action") ? acting.content->where("action") : output.where, output,
+                reading.mistakes);
         }
         if (result.back().action == FailsafeAction::preset && !mine.presets && !shared.presets &&
             !std::exchange(doubted_defaults, true)) {
             doubt_default_presets(result.back(), pipeline, reading.warnings);
         }
         const bool presets_used = mine.has("action") || mine.has_mistaken("action") ||
-                                  shared.has("action") || output.protocol == nullptr ||
-                                  default_action(output) == FailsafeAction::preset;
+                                  shared.has("action") || !cannot_say_failsafe(output);
         check_presets(mine, presets_used, reading.mistakes);
         shared_used = shared_used || (presets_used && !mine.presets);
     }

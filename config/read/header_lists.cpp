@@ -37,16 +37,16 @@ void replace_lists_under(Value& value, const Key& key, const std::string& path,
     if (tables == nullptr) {
         return;
     }
-    if (key.kind != KeyKind::named_tables) {
-        replace_lists_in(*tables, key.inside, path, mistakes);
-        return;
-    }
-    for (Entry& entry : tables->entries) {
-        const std::string named = fmt::format("{}.{}", path, entry.key);
-        replace_list(entry.value, named, mistakes);
-        if (auto* table = std::get_if<Table>(&entry.value.content)) {
-            replace_lists_in(*table, key.inside, named, mistakes);
+    if (key.kind == KeyKind::named_tables) {
+        for (Entry& entry : tables->entries) {
+            const std::string named = fmt::format("{}.{}", path, entry.key);
+            replace_list(entry.value, named, mistakes);
+            if (auto* table = std::get_if<Table>(&entry.value.content)) {
+                replace_lists_in(*table, key.inside, named, mistakes);
+            }
         }
+    } else {
+        replace_lists_in(*tables, key.inside, path, mistakes);
     }
 }
 

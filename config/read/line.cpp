@@ -185,7 +185,7 @@ void read_task(const TableContent& content, LineTask& task, std::string_view tit
     }
     if (role == LineRole::channel_switch) {
         check_switch_rule(content, title, reading);
-        doubt_rule(task.rule, RuleUse::on, title, {0, kMostWirePulse}, content.where("channel"),
+        doubt_rule(task.rule, RuleUse::on, title, kWireReach, content.where("channel"),
                    reading.warnings);
     }
 }
@@ -215,7 +215,7 @@ std::optional<LineDraft> read_enable_line(const OutputConfig& output, Location w
     line.config.name = fmt::format("{}.{}", output.name, key);
     line.config.of_output = true;
     line.config.where = where;
-    line.config.place = std::move(*place);
+    line.config.place = std::move(place).value();
     line.config.task.role = LineRole::fresh;
     line.config.task.period = std::min(4 * output.schedule.period, kMostWavePeriod);
     return line;

@@ -101,21 +101,19 @@ void read_to(const TableContent& content, PipelineConfig& pipeline, Draft& draft
         to == nullptr ? std::nullopt : read_names("to", "output", to->value, reading.mistakes);
     draft.outputs_uncertain = draft.outputs_uncertain || !names;
     for (const Name& name : names.value_or(std::vector<Name>{})) {
-        const auto index = resolve(name, "output", draft.outputs, draft.output_names_known,
-                                   draft.outputs_uncertain, reading);
-        if (!index) {
-            continue;
+        if (const auto index = resolve(name, "output", draft.outputs, draft.output_names_known,
+                                       draft.outputs_uncertain, reading)) {
+            auto& taken = draft.outputs[*index].pipeline;
+            if (taken && *taken != pipeline.name) {
+                reading.mistakes.add(name.where,
+                                     fmt::format("output {} is already fed by [pipeline.{}]; an "
+                                                 "output belongs to one pipeline",
+                                                 in_quotes(name.text), *taken));
+            } else {
+                taken = pipeline.name;
+                add_index(pipeline.outputs, *index, name, "output", reading.mistakes);
+            }
         }
-        auto& taken = draft.outputs[*index].pipeline;
-        if (taken && *taken != pipeline.name) {
-            reading.mistakes.add(name.where,
-                                 fmt::format("output {} is already fed by [pipeline.{}]; an output "
-                                             "belongs to one pipeline",
-                                             in_quotes(name.text), *taken));
-            continue;
-        }
-        taken = pipeline.name;
-        add_index(pipeline.outputs, *index, name, "output", reading.mistakes);
     }
 }
 

@@ -34,10 +34,9 @@ const Protocol* meant_protocol(const Table& table, std::span<const Key> keys, Se
         }
         // A maker's name may mean another protocol, so its keys are not judged.
         const auto names = protocol_names(way);
-        const auto near = nearest(*name, names);
+        const std::string_view near = nearest(*name, names).value_or("");
         const auto meant = protocols_meant(*name, names);
-        const bool misspelt = near && (meant.empty() || meant.front() == *near);
-        return misspelt ? find_protocol(*near) : nullptr;
+        return meant.empty() || meant.front() == near ? find_protocol(near) : nullptr;
     }
     return nullptr;
 }
@@ -111,12 +110,16 @@ SettingValues with_dependent_defaults(const Protocol& protocol, const SettingVal
 /// The value at the end of a path of keys, or at the last part of the path that exists. Null if no
 /// part exists.
 const Value* value_at(const std::vector<std::string>& path, const TableContent& content) {
-    const Entry* entry = path.empty() ? nullptr : content.find(path.front());
-    const Value* value = entry == nullptr ? nullptr : &entry->value;
-    for (std::size_t i = 1; entry != nullptr && i < path.size(); ++i) {
-        const auto* table = entry->value.as<Table>();
-        entry = table == nullptr ? nullptr : table->find(path[i]);
-        value = entry == nullptr ? value : &entry->value;
+    const Value* value = nullptr;
+    for (const std::string& part : path) {
+        const auto* table = value == nullptr ? nullptr : value->as<Table>();
+        const Entry* entry = value == nullptr   ? content.find(part)
+                             : table == nullptr ? nullptr
+                                                : table->find(part);
+        if (entry == nullptr) {
+            return value;
+        }
+        value = &entry->value;
     }
     return value;
 }
@@ -292,8 +295,7 @@ void read_port(const Entry& entry, const PortKeys& port, SettingScope scope,
         draft.config.settings = values_of(port.protocol->settings, content);
     }
     draft.settings_sound = check_by_protocol(port, draft.config.settings, scope, content, reading);
-    if (draft.settings_sound && port.protocol != nullptr &&
-        port.protocol->dependent_defaults != nullptr) {
+    if (draft.settings_sound && port.protocol->dependent_defaults != nullptr) {
         draft.config.settings =
             with_dependent_defaults(*port.protocol, draft.config.settings, scope);
     }
@@ -326,7 +328,9 @@ InputDraft read_input(const Entry& entry, const Table& table, Reading reading) {
     if (content.given("timeout")) {
         draft.timeout = content.where("timeout");
     }
-    draft.timeout_sound = content.sound("timeout");
+    // Without the settings its default is unknown.
+    draft.timeout_sound =
+        content.given("timeout") ? content.sound("timeout") : draft.settings_sound;
     draft.config.supervision = read_supervision(content, port.protocol, draft.config.settings,
                                                 draft.settings_sound, reading);
     if (const Entry* map = content.find("map")) {

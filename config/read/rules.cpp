@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
+#include <string>
 
 #include "config/language/nearest.h"
 #include "config/read/value.h"
@@ -65,13 +65,12 @@ bool has_value_limit(const TableContent& content) {
 }
 
 std::optional<std::size_t> channel_of(std::string_view key) {
-    std::size_t number = 0;
-    const auto [end, error] = std::from_chars(key.data(), key.data() + key.size(), number);
-    if (error != std::errc{} || end != key.data() + key.size() || key.starts_with('0') ||
-        number < 1 || number > kChannelCount) {
-        return std::nullopt;
+    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+        if (key == std::to_string(channel + 1)) {
+            return channel;
+        }
     }
-    return number - 1;
+    return std::nullopt;
 }
 
 std::string allowed_channels() {
@@ -97,8 +96,9 @@ std::optional<Presets> read_presets(const Value& value, Mistakes& mistakes) {
     Presets presets;
     presets.fill(kCentrePulse);
     if (const Entry* other = table->find(kOtherChannels)) {
-        const auto pulse = read_pulse("preset.other", other->value, mistakes);
-        presets.fill(Pulse::from_fractional_microseconds(pulse.value_or(0)));
+        if (const auto pulse = read_pulse("preset.other", other->value, mistakes)) {
+            presets.fill(Pulse::from_fractional_microseconds(*pulse));
+        }
     }
     for (const Entry& entry : table->entries) {
         if (entry.key == kOtherChannels) {

@@ -45,8 +45,8 @@ std::optional<Pair> read_pair(const Table& table, Location where, std::string_vi
     if (list != nullptr && list->items.size() == 2) {
         const auto first = number_within(list->items[0], least, most);
         const auto second = number_within(list->items[1], least, most);
-        const bool whole = first && second && is_raw(*first) && is_raw(*second);
-        if (first && second && *first != *second && (name != "raw" || whole)) {
+        if (first && second && *first != *second &&
+            (name != "raw" || (is_raw(*first) && is_raw(*second)))) {
             return Pair{{*first, *second}, entry->value.where};
         }
     }

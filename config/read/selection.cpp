@@ -34,17 +34,17 @@ std::optional<HandoverSettings> read_handover(const Value& value, std::string_vi
         names.emplace_back(draft.inputs[index].config.name);
     }
     const auto place = std::ranges::find(names, name);
-    if (place == names.end()) {
-        if (content.given("input") && content.sound("input") && !draft.inputs_uncertain) {
-            reading.mistakes.add(content.where("input"),
-                                 fmt::format("{} has no input {}; {}", title, in_quotes(name),
-                                             suggestion(name, names)));
-        }
-        return std::nullopt;
+    if (place != names.end()) {
+        HandoverSettings handover{.input = static_cast<std::size_t>(place - names.begin())};
+        content.read_into(handover);
+        return handover;
     }
-    HandoverSettings handover{.input = static_cast<std::size_t>(place - names.begin())};
-    content.read_into(handover);
-    return handover;
+    if (content.given("input") && content.sound("input") && !draft.inputs_uncertain) {
+        reading.mistakes.add(
+            content.where("input"),
+            fmt::format("{} has no input {}; {}", title, in_quotes(name), suggestion(name, names)));
+    }
+    return std::nullopt;
 }
 
 /// Reports keys that only apply to several inputs.

@@ -194,7 +194,6 @@ SensorType read_sensor_type(const Entry& entry, const Table& table, Reading read
         reading.mistakes.add(content.where("scale"),
                              "\"scale\" is 0, so every number would be the same; allowed: any "
                              "other number");
-        field.scale = 1;
     }
     type.fields.push_back(std::move(field));
     return type;

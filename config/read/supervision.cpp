@@ -31,7 +31,7 @@ void doubt_loss_rule(const ValueRule& rule, std::uint32_t possible, Location whe
                                         kTitle, rule.channel + 1));
         return;
     }
-    doubt_rule(rule, RuleUse::loss, kTitle, {0, kMostWirePulse}, where, warnings);
+    doubt_rule(rule, RuleUse::loss, kTitle, kWireReach, where, warnings);
 }
 
 std::vector<ValueRule> read_loss_rules(const Value& value, const Protocol* protocol,
@@ -109,20 +109,19 @@ SupervisionSettings read_supervision(const TableContent& content, const Protocol
                                      Reading reading) {
     SupervisionSettings supervision;
     content.read_into(supervision);
-    if (protocol != nullptr && settings_sound && !content.given("timeout")) {
+    if (settings_sound && !content.given("timeout")) {
         supervision.timeout = default_timeout(*protocol, settings);
     }
     supervision.fewer_channels_after = supervision.timeout;
     if (const Entry* rules = content.find("failsafe_when")) {
-        const bool known =
-            protocol != nullptr && settings_sound && protocol->possible_channels != nullptr;
+        const bool known = settings_sound && protocol->possible_channels != nullptr;
         supervision.failsafe_when =
             read_loss_rules(rules->value, protocol,
                             known ? protocol->possible_channels(settings) : kAllChannels, reading);
     }
     doubt_supervision(supervision, content.where("frozen"), content.where("plausible"),
                       reading.warnings);
-    if (protocol != nullptr && settings_sound) {
+    if (settings_sound) {
         check_use(content, *protocol, settings, reading.mistakes);
         if (protocol->optional_channels != nullptr) {
             supervision.optional_channels = protocol->optional_channels(settings);

@@ -253,9 +253,6 @@ TableContent read_table(const TableRef& ref, std::span<const Key> keys, Reading 
                              ? read_protocol_name(ref, item->entry->value, reading.mistakes)
                              : read_value(key, item->entry->value, reading.mistakes);
             item->sound = value.has_value();
-            if (!value) {
-                value = default_of(key);
-            }
             if (value) {
                 values.set(key.name(), std::move(*value));
             }

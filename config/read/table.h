@@ -46,7 +46,7 @@ class TableContent {
                  SettingValues values)
         : where_(where), keys_(keys), items_(std::move(items)), values_(std::move(values)) {}
 
-    /// The valid values that were given, and the defaults of all other keys.
+    /// The valid values that were given, and the defaults of all keys that were not.
     const SettingValues& values() const { return values_; }
 
     /// Sets the members of `object` that the rows name: given values, and defaults of rows. Members

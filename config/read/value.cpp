@@ -84,8 +84,9 @@ std::optional<SettingValue> read_range(const Setting& setting, const Value& valu
     }
     const auto low = number_within(list->items[0], setting.least, setting.most);
     const auto high = number_within(list->items[1], setting.least, setting.most);
-    return low && high && *low <= *high ? std::optional<SettingValue>(NumberRange{*low, *high})
-                                        : std::nullopt;
+    // Nothing is less than any number.
+    return low && low <= high ? std::optional<SettingValue>(NumberRange{*low, *high})
+                              : std::nullopt;
 }
 
 /// A control character could make a part of the text look like a line of its own in a log.
@@ -274,14 +275,12 @@ std::optional<double> read_pulse(std::string_view key, const Value& value, Mista
 }
 
 std::optional<double> number_within(const Value& value, double least, double most) {
-    double number = 0;
-    if (const auto* whole = value.as<std::int64_t>()) {
-        number = static_cast<double>(*whole);
-    } else if (const auto* fractional = value.as<double>()) {
-        number = *fractional;
-    } else {
+    const auto* whole = value.as<std::int64_t>();
+    const auto* fractional = value.as<double>();
+    if (whole == nullptr && fractional == nullptr) {
         return std::nullopt;
     }
+    const double number = whole != nullptr ? static_cast<double>(*whole) : *fractional;
     return number >= least && number <= most ? std::optional(number) : std::nullopt;
 }
 

@@ -277,16 +277,15 @@ std::optional<ValueMessageConfig> read_message(const TableContent& content, Read
         return read_bytes(content, mistakes);
     }
     ValueMessageConfig config;
-    bool sound = false;
-    if (&kind_of(content) == &kDroneCan) {
-        auto source = read_dronecan_source(content, mistakes);
-        sound = source.has_value();
-        config.layout = std::move(source).value_or(DroneCanValueSource{});
-    } else {
-        auto source = read_dbc(content, reading);
-        sound = source.has_value();
-        config.layout = std::move(source).value_or(DbcValueSource{});
-    }
+    const auto take = [&config](auto source) {
+        if (source) {
+            config.layout = *std::move(source);
+        }
+        return source.has_value();
+    };
+    const bool sound = &kind_of(content) == &kDroneCan
+                           ? take(read_dronecan_source(content, mistakes))
+                           : take(read_dbc(content, reading));
     content.read_into(config.port);
     if (!sound || config.port.device.empty()) {
         return std::nullopt;

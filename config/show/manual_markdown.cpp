@@ -21,13 +21,12 @@ constexpr std::string_view kPageHead =
     "# Configuration: every key\n\n"
     "The same in a terminal: `man tribus.toml`.\n";
 
-/// The anchor that GitHub gives a heading.
+/// The anchor that GitHub gives a heading without blanks.
 std::string anchor_of(std::string_view heading) {
     std::string anchor;
     for (const char c : heading) {
-        const bool kept = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
-        if (kept || c == ' ') {
-            anchor += kept ? static_cast<char>(std::tolower(static_cast<unsigned char>(c))) : '-';
+        if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_') {
+            anchor += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
         }
     }
     return anchor;
@@ -85,10 +84,10 @@ void append_key_table(std::string& page, const ManualSection& section) {
 
 }  // namespace
 
-std::string manual_markdown() {
+std::string manual_markdown(const std::vector<ManualSection>& sections) {
     std::string page(kPageHead);
     append_contents(page);
-    for (const ManualSection& section : manual_sections()) {
+    for (const ManualSection& section : sections) {
         page += fmt::format("\n{} {}\n", section.inner ? "###" : "##", section.title);
         for (const ManualBlock& block : blocks_of(section.text)) {
             append_markdown_block(page, block);

@@ -148,10 +148,10 @@ void append_mdoc_section(std::string& page, const ManualSection& section) {
 
 }  // namespace
 
-std::string manual_mdoc() {
+std::string manual_mdoc(const std::vector<ManualSection>& sections) {
     std::string page(kMdocHead);
     bool first = true;
-    for (const ManualSection& section : manual_sections()) {
+    for (const ManualSection& section : sections) {
         // The first section has no keys: it is the description itself.
         if (!first) {
             page += fmt::format("{} {}\n", section.inner ? ".Ss" : ".Sh",

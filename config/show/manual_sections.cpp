@@ -1,8 +1,7 @@
 #include "config/show/manual_sections.h"
 
 #include <algorithm>
-#include <functional>
-#include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -83,13 +82,8 @@ bool is_used(const Medium& medium, SettingScope way) {
 
 /// The help of a key that is the place of two media.
 std::string_view joined_help(std::string_view one, const Medium& other) {
-    static std::map<std::string, std::string, std::less<>> texts;
-    const auto found = texts.find(one);
-    if (found != texts.end()) {
-        return found->second;
-    }
-    return texts.emplace(one, fmt::format("{}; on {}: {}", one, other.name, other.place.help))
-        .first->second;
+    static std::set<std::string> texts;
+    return *texts.insert(fmt::format("{}; on {}: {}", one, other.name, other.place.help)).first;
 }
 
 /// Returns the keys of all inputs, or outputs, and those of each medium. A key of several media
@@ -193,6 +187,11 @@ std::string protocol_text(const Protocol& protocol) {
         format_duration(protocol.default_period), format_duration(protocol.least_period));
 }
 
+constexpr std::string_view kSignalText =
+    "A number is a channel; a table says more. Exactly one of `channel`, `flag`, `fixed`, "
+    "`counter`, `checksum` and `from` is in it. Examples: "
+    "[can.md](can.md#your-own-messages-protocol--dbc).";
+
 /// Keys inside of a tree that the protocol reads itself.
 void add_trees(const Protocol& protocol, std::vector<ManualSection>& sections) {
     for (const Setting& setting : protocol.settings) {
@@ -203,12 +202,12 @@ void add_trees(const Protocol& protocol, std::vector<ManualSection>& sections) {
         for (const Setting& inside : setting.inside) {
             keys.push_back({inside});
         }
+        const bool signals = setting.key == "signals";
         sections.push_back(
             {.inner = true,
-             .title = fmt::format("A signal of `{}`", protocol.name),
-             .text = "A number is a channel; a table says more. Exactly one of `channel`, `flag`, "
-                     "`fixed`, `counter`, `checksum` and `from` is in it. Examples: "
-                     "[can.md](can.md#your-own-messages-protocol--dbc).",
+             .title = signals ? fmt::format("A signal of `{}`", protocol.name)
+                              : fmt::format("`{}` of `{}`", setting.key, protocol.name),
+             .text = signals ? std::string(kSignalText) : fmt::format("{}.", setting.help),
              .anchor = fmt::format("{}-{}", protocol.name, setting.key),
              .keys = std::move(keys)});
     }

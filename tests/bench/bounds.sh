@@ -7,6 +7,6 @@
 cd "$(dirname "$0")/../.."
 . deploy/prepare.sh
 # shellcheck disable=SC2086 # lists of words
-install_packages $build_packages $test_packages $bench_packages socat stress-ng rt-tests
+install_packages $build_packages $test_packages $bench_packages $arm_packages socat stress-ng rt-tests
 build ON tribus bounds heap_trap_preload
 exec build/tests/bench/bounds "$@"

@@ -31,9 +31,11 @@ WORK = OWN_ROOT / "build-mutation/made"
 EQUIVALENT = HERE / "equivalent.toml"
 PRODUCT = ["core/", "transports/", "pipelines/", "config/", "app/"]
 # The fastest first.
-ALL_SUITES = ["unit", "property", "capture", "sim", "loopback"]
-# Those over ptys wait more than they compute, and are asked for.
-SUITES = ALL_SUITES[:-1]
+ALL_SUITES = ["unit", "property", "capture", "sim", "gpio", "machine", "can", "loopback"]
+# Those that run the program or a guest are asked for.
+SUITES = ALL_SUITES[:-2]
+# They wait more than they compute, and a stall of the machine may fail them.
+WAITING = {"machine", "can", "loopback"}
 # Tests that read sources, and tests of the second tier.
 LEFT_OUT = ("Tidy.*:MutationList.*:References.*:Rights.*:Stays.*:Tables.*:Version.*:"
             "*InManyWorlds.*:InitTextOfEverySet.*:LivePageExamples.*:"
@@ -43,9 +45,12 @@ PATIENCE = 5
 LEAST_PATIENCE_S = 10
 # The tests that reach the fewest other mutations come first, for about this long.
 FIRST_TESTS_MS = 1500
+# Of tests that wait, the others run at once, and not more of them than take so long.
+MOST_WAITING_MS = 40_000
 MOST_BYTES = 4 << 30
-# Of a filter that the kernel takes as one argument.
+# Of a filter that the kernel takes as one argument; a guest's kernel takes less in all.
 LONGEST_FILTER = 100_000
+LONGEST_RECORD_S = 900
 
 
 @dataclasses.dataclass
@@ -60,6 +65,7 @@ class Test:
 class Result:
     mutation: make.Mutation
     noticed_by: str
+    ran: int
     tests: int
     seconds: float
 
@@ -106,6 +112,9 @@ class Campaign:
         self.texts = {}
         self.fixed_numbers = 0
         self.lock = threading.Lock()
+        self.workers = {}
+        # Tests that fail without a mutation.
+        self.failed = []
 
     def at(self, share):
         """When this share of the time is over; None if there is no limit."""
@@ -169,35 +178,51 @@ class Campaign:
 
     def record(self, highest):
         """Runs all tests once, without a mutation: which of them reaches what."""
-        shards = [(suite, shard) for suite in self.build.suites
-                  for shard in range(self.shards_of(suite))]
-        with concurrent.futures.ThreadPoolExecutor(self.asked.jobs) as pool:
-            others = pool.map(lambda each: self.record_shard(*each, highest),
-                              [each for each in shards if each[0] != "loopback"])
-            tests = [test for each in others for test in each]
-        # These wait more than they compute.
-        with concurrent.futures.ThreadPoolExecutor(6) as pool:
-            waiting = pool.map(lambda each: self.record_shard(*each, highest),
-                               [each for each in shards if each[0] == "loopback"])
-            return tests + [test for each in waiting for test in each]
+        tests = []
+        for suites, jobs in ((lambda suite: suite not in WAITING, self.asked.jobs),
+                             (lambda suite: suite in WAITING - {"can"}, 6),
+                             (lambda suite: suite == "can", self.asked.jobs)):
+            shards = [(suite, shard) for suite in self.build.suites if suites(suite)
+                      for shard in range(self.shards_of(suite))]
+            with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+                recorded = pool.map(lambda each: self.record_shard(*each, highest), shards)
+                tests += [test for each in recorded for test in each]
+        return tests
 
     def shards_of(self, suite):
-        return {"unit": 2, "sim": 2, "loopback": 12}.get(suite, 1)
+        return {"unit": 2, "sim": 2, "machine": 6, "can": 4, "loopback": 12}.get(suite, 1)
+
+    def command(self, suite, seconds, environment, worker):
+        """What runs the program of a suite: (words, environment)."""
+        program = self.build.program_of_tests(suite)
+        if suite != "can":
+            return [str(program)], dict(os.environ, TMPDIR=self.temporary(), **environment)
+        # A guest gets its environment by its command, and sees its folder of results as /lab.
+        return ([str(OWN_ROOT / "tests/lab/run_uml"), "--processor", str(worker),
+                 str(self.guest(worker)), str(int(seconds)), "/usr/bin/env",
+                 *[f"{name}={value}" for name, value in environment.items()], str(program)],
+                dict(os.environ))
+
+    @staticmethod
+    def guest(worker):
+        return WORK / f"guest.{worker}"
 
     def record_shard(self, suite, shard, highest):
-        file = WORK / f"reached.{suite}.{shard}"
+        folder = self.guest(shard) if suite == "can" else WORK
+        folder.mkdir(exist_ok=True)
+        file = folder / f"reached.{suite}.{shard}"
         file.write_bytes(bytes(highest + 1))
         lines = pathlib.Path(f"{file}.tests")
         lines.unlink(missing_ok=True)
-        environment = dict(os.environ, TRIBUS_MUTATIONS_REACHED=str(file), TMPDIR=self.temporary(),
-                           GTEST_TOTAL_SHARDS=str(self.shards_of(suite)),
-                           GTEST_SHARD_INDEX=str(shard))
         until = self.at(0.75)
         left = max(until - time.time(), 0.1) if until else None
+        command, environment = self.command(suite, left or LONGEST_RECORD_S, {
+            "TRIBUS_MUTATIONS_REACHED": f"/lab/{file.name}" if suite == "can" else str(file),
+            "GTEST_TOTAL_SHARDS": str(self.shards_of(suite)), "GTEST_SHARD_INDEX": str(shard),
+            "GTEST_FILTER": f"-{LEFT_OUT}"}, shard)
         with (WORK / f"{suite}.{shard}.log").open("w") as log:
             try:
-                subprocess.run([WORK / "tests" / f"{suite}_tests", f"--gtest_filter=-{LEFT_OUT}"],
-                               cwd=self.build.build / "tests", env=environment, stdout=log,
+                subprocess.run(command, cwd=self.build.build / "tests", env=environment, stdout=log,
                                stderr=subprocess.STDOUT, timeout=left)
             except subprocess.TimeoutExpired:
                 say(f"No time for all {suite}_tests")
@@ -205,11 +230,18 @@ class Campaign:
         if not lines.is_file():
             return tests
         for line in lines.read_text().splitlines():
-            name, result, milliseconds, *reached = line.split()
+            name, result, computed, took, *reached = line.split()
+            if result == "failed":
+                self.failed.append(name)
             if result == "passed":
-                tests.append(Test(suite, name, int(milliseconds),
+                tests.append(Test(suite, name, int(took if suite in WAITING else computed),
                                   frozenset(int(number) for number in reached)))
         return tests
+
+    def worker(self):
+        """The number of this thread."""
+        with self.lock:
+            return self.workers.setdefault(threading.get_ident(), len(self.workers))
 
     def temporary(self):
         folder = WORK / "tmp"
@@ -221,17 +253,33 @@ class Campaign:
         begin = time.time()
         reaching = sorted((test for test in tests if number in test.reached),
                           key=lambda test: (len(test.reached), test.milliseconds))
+        ran = 0
         for suite in self.build.suites:
             todo = [test for test in reaching if test.suite == suite]
+            if suite in WAITING:
+                todo = self.within(todo, MOST_WAITING_MS)
+            begun = False
             while todo:
-                now = self.some(todo)
+                now = todo if suite in WAITING and begun else self.some(todo)
+                begun = True
+                ran += len(now)
                 todo = todo[len(now):]
                 noticed = self.run(suite, now, number)
-                if noticed and suite == "loopback" and self.run(suite, now, 0):
+                if noticed and suite in WAITING and self.run(suite, now, 0):
                     noticed = ""
                 if noticed:
-                    return Result(mutation, noticed, len(reaching), time.time() - begin)
-        return Result(mutation, "", len(reaching), time.time() - begin)
+                    return Result(mutation, noticed, ran, len(reaching), time.time() - begin)
+        return Result(mutation, "", ran, len(reaching), time.time() - begin)
+
+    @staticmethod
+    def within(tests, milliseconds):
+        """The first of these that take no longer together, but at least one."""
+        total = 0
+        for at, test in enumerate(tests):
+            total += test.milliseconds
+            if total > milliseconds and at > 0:
+                return tests[:at]
+        return tests
 
     def some(self, tests):
         """The first of these: few if they are quick, all others at once."""
@@ -249,20 +297,23 @@ class Campaign:
         """The test that notices, or an empty text."""
         seconds = PATIENCE * sum(test.milliseconds for test in tests) / 1000 + LEAST_PATIENCE_S
         names = ":".join(test.name for test in tests)
-        environment = dict(os.environ, TRIBUS_MUTATION=str(number), GTEST_FILTER=names,
-                           TMPDIR=self.temporary())
+        worker = self.worker()
+        command, environment = self.command(
+            suite, seconds, {"TRIBUS_MUTATION": str(number), "GTEST_FILTER": names,
+                             "GTEST_FAIL_FAST": "1", "GTEST_COLOR": "no"}, worker)
 
         def limit():
-            resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds) + 1))
-            resource.setrlimit(resource.RLIMIT_AS, (MOST_BYTES, MOST_BYTES))
-            resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 28, 1 << 28))
+            # A guest's memory is a large file.
+            if suite != "can":
+                resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds) + 1))
+                resource.setrlimit(resource.RLIMIT_AS, (MOST_BYTES, MOST_BYTES))
+                resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 28, 1 << 28))
             resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        log = WORK / f"run.{threading.get_ident()}.log"
+        log = WORK / f"run.{worker}.log"
         with log.open("w+", errors="replace") as output:
-            status, text = test_program.run(
-                [WORK / "tests" / f"{suite}_tests", "--gtest_fail_fast", "--gtest_color=no"],
-                output, 4 * seconds, cwd=self.build.build / "tests", env=environment,
-                preexec_fn=limit)
+            status, text = test_program.run(command, output, 4 * seconds,
+                                            cwd=self.build.build / "tests", env=environment,
+                                            preexec_fn=limit)
         if status == 0:
             return ""
         failed = test_program.failed_test(text) if status is not None else None
@@ -293,7 +344,7 @@ class Campaign:
             ("SURVIVED" if result.tests else "SURVIVED, no test reaches it")
         if self.asked.verbose or not result.noticed_by:
             say(f"{number}/{of} {mutation.file}:{mutation.line} {mutation.key} {mutation.kind}: "
-                f"{what} ({result.tests} tests, {result.seconds:.1f} s)")
+                f"{what} ({result.ran} of {result.tests} tests, {result.seconds:.1f} s)")
 
 
 def report(campaign, results, chosen, equivalent, left_out):
@@ -302,7 +353,8 @@ def report(campaign, results, chosen, equivalent, left_out):
         mutation = result.mutation
         print(f"\n{mutation.file}:{mutation.line}  {mutation.key}  {mutation.kind}, "
               f"in {mutation.function}, " +
-              (f"{result.tests} tests reach it" if result.tests else "no test reaches it"))
+              (f"{result.tests} tests reach it, {result.ran} ran" if result.tests
+               else "no test reaches it"))
         print(make.difference(campaign.texts[mutation.file], mutation)
               .encode("latin-1").decode(errors="replace"))
     (WORK / "results.json").write_text(json.dumps(
@@ -325,7 +377,8 @@ def arguments():
     parser.add_argument("--key", action="append", default=[], help="only this one, of the folder")
     parser.add_argument("--minutes", type=float, help="no mutation begins after that time")
     parser.add_argument("--suite", action="append", default=[], choices=ALL_SUITES,
-                        help="only tests of this one; loopback with the programs mutated, too")
+                        help="only tests of this one; can in guests, loopback and can with the "
+                        "programs mutated, too")
     parser.add_argument("--list", action="store_true", help="show them, run nothing")
     parser.add_argument("--verbose", action="store_true", help="say who noticed each")
     parser.add_argument("--build", default=str(OWN_ROOT / "build"), help="an up-to-date build")
@@ -360,6 +413,9 @@ def main():
     say(f"Built after {time.time() - begin:.0f} s")
     tests = campaign.record(len(chosen))
     say(f"{len(tests)} tests pass without a mutation, after {time.time() - begin:.0f} s")
+    if campaign.failed:
+        say(f"{len(campaign.failed)} fail without one, and can notice none: "
+            f"{', '.join(campaign.failed[:9])}")
     compiled = compiled[:asked.count] if asked.count else compiled
     known = equivalent_keys()
     wanted = [mutation for mutation in compiled

@@ -347,7 +347,10 @@ class Finder:
         if before in UNARY and not behind:
             kind, other = UNARY[before]
             change = f"{before} to {other}" if other else f"{before} left out"
-            self.add(kind, change, (start, end), f"{other}{one_line(self.of(operand))}", context)
+            inner = one_line(self.of(operand))
+            # Beside a negation an optional would be the type of both, with a value for each.
+            instead = f"static_cast<bool>({inner})" if before == "!" else f"{other}{inner}"
+            self.add(kind, change, (start, end), instead, context)
         elif behind in ("++", "--") and not before:
             other = UNARY[behind][1]
             self.add("arithmetic", f"{behind} to {other}", (start, end),

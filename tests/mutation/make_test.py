@@ -49,7 +49,7 @@ class Makes(unittest.TestCase):
     def test_other_logic_in_each_part(self):
         text = "bool f(bool a, bool b, bool c) { return a && (b || !c); }"
         self.assertEqual(instead_of(text), [("a && (b || !c)", "a || (b || !c)"),
-                                            ("b || !c", "b && !c"), ("!c", "c")])
+                                            ("b || !c", "b && !c"), ("!c", "static_cast<bool>(c)")])
 
     def test_other_bits(self):
         self.assertEqual(instead_of("int f(int a, int b) { return (a & b) << b; }", "bit"),

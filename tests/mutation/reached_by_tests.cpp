@@ -8,8 +8,8 @@
 
 #include "tests/mutation/switch.h"
 
-/// Linked into programs of googletest: writes for each test how many milliseconds it computed and
-/// which mutations it reached, if TRIBUS_MUTATIONS_REACHED names a file.
+/// Linked into programs of googletest: writes for each test how many milliseconds it computed, how
+/// many it took, and which mutations it reached, if TRIBUS_MUTATIONS_REACHED names a file.
 namespace tribus_mutation {
 namespace {
 
@@ -24,8 +24,11 @@ class Record : public testing::EmptyTestEventListener {
 
     void OnTestEnd(const testing::TestInfo& test) override {
         lines_ << test.test_suite_name() << '.' << test.name() << ' '
-               << (test.result()->Passed() && !test.result()->Skipped() ? "passed" : "no") << ' '
-               << (std::clock() - started_) * 1000 / CLOCKS_PER_SEC;
+               << (test.result()->Failed()    ? "failed"
+                   : test.result()->Skipped() ? "skipped"
+                                              : "passed")
+               << ' ' << (std::clock() - started_) * 1000 / CLOCKS_PER_SEC << ' '
+               << test.result()->elapsed_time();
         for (std::size_t number = 0; number < size_; ++number) {
             if (reached[number] != 0) {
                 lines_ << ' ' << number;

@@ -34,8 +34,8 @@ class SwitchedBuild:
         self.work = work
         self.jobs = jobs
         self.suites = suites
-        self.with_programs = "loopback" in suites
-        targets = [f"tests/{suite}_tests" for suite in suites]
+        self.with_programs = bool({"loopback", "can"} & set(suites))
+        targets = [f"tests/{'lab/' if suite == 'can' else ''}{suite}_tests" for suite in suites]
         if self.with_programs:
             targets += [f"app/{program}" for program in PROGRAMS]
         self.commands = {}
@@ -184,7 +184,7 @@ class SwitchedBuild:
         return hashlib.sha256("\0".join([*words, *texts]).encode()).hexdigest()
 
     def names_the_program(self, made):
-        return self.with_programs and "loopback" in made
+        return self.with_programs and made.startswith(("tests/CMakeFiles/loopback", "tests/lab/"))
 
     def path_of(self, file):
         return self.work / ("include" if file.endswith(".h") else "source") / file
@@ -221,6 +221,9 @@ class SwitchedBuild:
 
     def program(self, name):
         return self.work / "app" / name
+
+    def program_of_tests(self, suite):
+        return self.work / "tests" / f"{suite}_tests"
 
     def precompiled(self, header):
         """The precompiled header, with the texts that are in it."""
@@ -324,7 +327,8 @@ class SwitchedBuild:
         jobs = []
         for output, words in self.links.items():
             if output.endswith("_tests"):
-                jobs.append((words, self.work / "tests" / pathlib.Path(output).name, extra))
+                suite = pathlib.Path(output).name.removesuffix("_tests")
+                jobs.append((words, self.program_of_tests(suite), extra))
             elif self.with_programs and pathlib.Path(output).name in PROGRAMS:
                 jobs.append((words, self.program(pathlib.Path(output).name), extra[:1]))
         with concurrent.futures.ThreadPoolExecutor(self.jobs) as pool:

@@ -22,11 +22,14 @@ class PwmFolder {
         write(chip / "export", "");
         write(chip / "unexport", "");
         for (std::size_t output = 0; output < outputs; ++output) {
-            const std::filesystem::path folder = chip / ("pwm" + std::to_string(output));
-            std::filesystem::create_directories(folder);
-            for (const char* file : {"period", "duty_cycle", "enable"}) {
-                write(folder / file, "");
-            }
+            add_output(name, output);
+        }
+    }
+    void add_output(const std::string& chip, std::size_t output) {
+        const std::filesystem::path folder = chips() / chip / ("pwm" + std::to_string(output));
+        std::filesystem::create_directories(folder);
+        for (const char* file : {"period", "duty_cycle", "enable"}) {
+            write(folder / file, "");
         }
     }
     /// The root of all files.
@@ -35,6 +38,13 @@ class PwmFolder {
     /// Returns the text that was written last.
     std::string text(const std::string& chip, std::size_t output, const std::string& file) const {
         std::ifstream stream(path_of(chip, output, file));
+        std::string text;
+        std::getline(stream, text);
+        return text;
+    }
+    /// The same of a file of the chip.
+    std::string read(const std::string& chip, const std::string& file) const {
+        std::ifstream stream(chips() / chip / file);
         std::string text;
         std::getline(stream, text);
         return text;

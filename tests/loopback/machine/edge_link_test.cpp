@@ -1,19 +1,23 @@
 #include "transports/links/pulse_line/edge_link.h"
 
 #include <poll.h>
+#include <sys/timerfd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdint>
 #include <ctime>
 #include <deque>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "tests/support/edges.h"
+#include "tests/support/fewer_descriptors.h"
 
 /// Edges of the kernel as records. The stamps lie in the past, so the line has been quiet since, or
 /// far in the future, so it is not quiet yet.
@@ -65,6 +69,21 @@ void wait_for_timer(const EdgeLink& link) {
     pollfd timer{.fd = link.second_descriptor(), .events = POLLIN, .revents = 0};
     ASSERT_EQ(::poll(&timer, 1, -1), 1);
 }
+
+/// Lets the link's timer expire now.
+void expire(const EdgeLink& link) {
+    const itimerspec now{.it_interval = {}, .it_value = {.tv_sec = 0, .tv_nsec = 1}};
+    ASSERT_EQ(::timerfd_settime(link.second_descriptor(), 0, &now, nullptr), 0);
+    wait_for_timer(link);
+}
+
+/// When the link's timer expires, in seconds from now; it is set to an edge of `kMuchLater`.
+time_t seconds_left(const EdgeLink& link) {
+    itimerspec set{};
+    EXPECT_EQ(::timerfd_gettime(link.second_descriptor(), &set), 0);
+    return set.it_value.tv_sec;
+}
+constexpr time_t kADay = 86'400;
 
 Bytes read(EdgeLink& link) {
     Reception reception;
@@ -127,6 +146,7 @@ TEST(EdgeLink, AnEdgeThatCameWithTheTimerShowsThatTheLineIsNotQuiet) {
     wait_for_timer(*link);
     EXPECT_EQ(read(*link), edge_record(Edge::seen, 0xFFFFFF));
     EXPECT_EQ(read(*link), Bytes{});
+    EXPECT_GT(seconds_left(*link), kADay);
 }
 
 TEST(EdgeLink, TheTimerOfAnEdgeShowsNothingWhenAnotherOneCameSince) {
@@ -142,6 +162,92 @@ TEST(EdgeLink, TheTimerOfAnEdgeShowsNothingWhenAnotherOneCameSince) {
     pollfd timer{.fd = link->second_descriptor(), .events = POLLIN, .revents = 0};
     ::poll(&timer, 1, 10 * static_cast<int>(kSoonNanoseconds / 1'000'000));
     EXPECT_EQ(read(*link), Bytes{});
+    EXPECT_GT(seconds_left(*link), kADay) << "the later edge has a time of its own";
+}
+
+// An eighth of a microsecond is 125 ns; halves are rounded up.
+TEST(EdgeLink, RoundsToTheNearestEighthOfAMicrosecond) {
+    Kernel kernel{{{{kMuchLater},
+                    {kMuchLater + 62},
+                    {kMuchLater + 63},
+                    {kMuchLater + 63 + 124},
+                    {kMuchLater + 63 + 125}}}};
+    const auto link = link_on(kernel);
+    EXPECT_EQ(read(*link), joined({edge_record(Edge::after_loss, 0xFFFFFF),
+                                   edge_record(Edge::seen, 0), edge_record(Edge::seen, 1),
+                                   edge_record(Edge::seen, 0), edge_record(Edge::seen, 1)}));
+}
+
+TEST(EdgeLink, AnEdgeThatIsOlderThanTheOneBeforeHasNoDistance) {
+    Kernel kernel{{{{kMuchLater}, {kMuchLater - 1'000'000}, {kMuchLater}}}};
+    const auto link = link_on(kernel);
+    EXPECT_EQ(read(*link), joined({edge_record(Edge::after_loss, 0xFFFFFF),
+                                   edge_record(Edge::seen, 0), edge_record(Edge::seen, 1000 * 8)}));
+}
+
+TEST(EdgeLink, HasNothingWhileNoEdgeComes) {
+    Kernel kernel;
+    const auto link = link_on(kernel);
+    wait_for_timer(*link);
+    for (int i = 0; i < 2; ++i) {
+        Reception reception;
+        reception.count = 9;
+        reception.full = true;
+        reception.goes_on = true;
+        reception.damaged.set();
+        EXPECT_EQ(link->read(reception), ReadStatus::nothing);
+        EXPECT_EQ(reception.count, 0U);
+        EXPECT_FALSE(reception.full || reception.goes_on || reception.damaged.any());
+    }
+}
+
+TEST(EdgeLink, AsksAQuietLineEachSecond) {
+    Kernel kernel;
+    const auto link = link_on(kernel);
+    itimerspec set{};
+    ASSERT_EQ(::timerfd_gettime(link->second_descriptor(), &set), 0);
+    EXPECT_EQ(set.it_interval.tv_sec, 1);
+    EXPECT_EQ(set.it_interval.tv_nsec, 0);
+}
+
+TEST(EdgeLink, SaysNoSecondTimeThatTheLineIsQuiet) {
+    Kernel kernel{{{{kLongAgo}}}};
+    const auto link = link_on(kernel);
+    read(*link);
+    wait_for_timer(*link);
+    EXPECT_EQ(read(*link), quiet_record());
+    expire(*link);
+    EXPECT_EQ(read(*link), Bytes{});
+}
+
+TEST(EdgeLink, DiscardsMoreThanOneFullRead) {
+    Kernel kernel;
+    for (int i = 0; i < 3; ++i) {
+        kernel.reads.emplace_back(kEdgesPerRead, GpioEdge{kMuchLater});
+    }
+    kernel.reads.push_back({{kMuchLater}});
+    kernel.reads.push_back({{kMuchLater}});
+    const auto link = link_on(kernel);
+    link->discard_unread();
+    EXPECT_EQ(kernel.reads.size(), 1U);
+    kernel.gone = true;
+    link->discard_unread();
+}
+
+TEST(EdgeLink, SaysThatThereIsNoDescriptorLeftForItsTimer) {
+    const FewerDescriptors fewer(0);
+    Kernel kernel;
+    const auto link = EdgeLink::on(std::make_unique<ScriptedLine>(kernel));
+    ASSERT_FALSE(link.has_value());
+    EXPECT_EQ(link.error(), EMFILE);
+}
+
+TEST(EdgeLink, SaysThatAPlaceIsNoneOrHasNoLine) {
+    for (const std::string place : {"", "no such line of a test"}) {
+        const auto link = EdgeLink::open(place, GpioEdges::rising, GpioBias::as_is);
+        ASSERT_FALSE(link.has_value());
+        EXPECT_TRUE(link.error().starts_with(place + ": ")) << link.error();
+    }
 }
 
 TEST(EdgeLink, MarksAnEdgeBehindALoss) {
@@ -178,6 +284,7 @@ TEST(EdgeLink, IsLostWhenTheChipIsGone) {
         kernel.gone = true;
         Reception reception;
         EXPECT_EQ(link->read(reception), ReadStatus::lost);
+        EXPECT_EQ(reception.count, 0U);
         EXPECT_EQ(link->read(reception), ReadStatus::lost);
         EXPECT_EQ(link->write({}), WriteStatus::unavailable);
     }

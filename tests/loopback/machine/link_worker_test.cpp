@@ -178,7 +178,7 @@ TEST_F(Starved, ThreadStandsAfterASecond) {
     const Instant start = monotonic_now() + 1s;
     EXPECT_FALSE(worker_.stands(start)) << "nothing is asked for";
     ask(1000, start);
-    EXPECT_FALSE(worker_.stands(start + 999ms));
+    EXPECT_FALSE(worker_.stands(start + 1000ms));
     EXPECT_TRUE(worker_.stands(start + 1001ms));
 }
 

@@ -32,6 +32,72 @@ bool comes(const PwmFolder& folder, std::size_t output, const std::string& file,
            folder.take("pwmchip0", output, file) == wanted;
 }
 
+/// Output 0: 1,500,000 ns.
+constexpr std::array<std::uint8_t, 5> kCentre{0, 0x60, 0xE3, 0x16, 0x00};
+
+/// Waits until the link says that of a frame.
+bool says(PwmLink& link, WriteStatus status) {
+    return seen_within([&] { return link.write(kCentre) == status; });
+}
+
+TEST(PwmLink, HasNothingToRead) {
+    PwmFolder folder;
+    folder.add("pwmchip0", "x", 1);
+    auto link = PwmLink::open("pwmchip0", 20ms, {.now = monotonic_now}, folder.root());
+    ASSERT_TRUE(link) << link.error();
+    Reception reception;
+    reception.count = 5;
+    reception.full = true;
+    EXPECT_EQ((*link)->descriptor(), -1);
+    EXPECT_EQ((*link)->read(reception), ReadStatus::nothing);
+    EXPECT_EQ(reception.count, 0U);
+    EXPECT_FALSE(reception.full);
+}
+
+TEST(PwmLink, RefusesAnOutputThatItsChipDoesNotHaveAndNoOtherForThat) {
+    PwmFolder folder;
+    folder.add("pwmchip0", "x", 2);
+    auto link = PwmLink::open("pwmchip0", 20ms, {.now = monotonic_now}, folder.root());
+    ASSERT_TRUE(link) << link.error();
+    const std::array<std::uint8_t, 5> beyond{2, 0x60, 0xE3, 0x16, 0x00};
+    EXPECT_EQ((*link)->write(beyond), WriteStatus::unavailable);
+    EXPECT_TRUE(seen_within([&] {
+        (*link)->write(kCentre);
+        return folder.text("pwmchip0", 0, "enable") == "1";
+    }));
+    EXPECT_TRUE(says(**link, WriteStatus::written));
+}
+
+TEST(PwmLink, TakesNoRecordThatIsCut) {
+    PwmFolder folder;
+    folder.add("pwmchip0", "x", 2);
+    auto link = PwmLink::open("pwmchip0", 20ms, {.now = monotonic_now}, folder.root());
+    ASSERT_TRUE(link) << link.error();
+    const std::array<std::uint8_t, 9> frame{0, 0x60, 0xE3, 0x16, 0x00, 1, 0x60, 0xE3, 0x16};
+    EXPECT_TRUE(seen_within([&] {
+        (*link)->write(frame);
+        return folder.text("pwmchip0", 0, "enable") == "1";
+    }));
+    link->reset();
+    EXPECT_EQ(folder.take("pwmchip0", 1, "duty_cycle"), "");
+}
+
+TEST(PwmLink, SaysWhatIsWrongWithItsChip) {
+    PwmFolder folder;
+    folder.add("pwmchip0", "x", 2);
+    const auto error_of = [&](const std::string& chip) {
+        const auto link = PwmLink::open(chip, 20ms, {.now = monotonic_now}, folder.root());
+        return link ? "" : link.error();
+    };
+    EXPECT_EQ(error_of("pwmchip7"),
+              "pwmchip7: there is no such PWM chip; this machine has pwmchip0 (x)");
+    fs::remove(folder.chips() / "pwmchip0/export");
+    EXPECT_EQ(error_of("pwmchip0"),
+              "pwmchip0: this user may not use it; the package's udev rule gives it to the group "
+              "gpio: join the group, and for a service see "
+              "/usr/share/doc/tribus/docs/service.md, \"PWM in the service\"");
+}
+
 TEST(PwmLink, HandsTheNewestPulsesOnAndSwitchesOffAtItsEnd) {
     PwmFolder folder;
     folder.add("pwmchip0", "x", 4);
@@ -52,14 +118,6 @@ TEST(PwmLink, HandsTheNewestPulsesOnAndSwitchesOffAtItsEnd) {
     EXPECT_EQ(folder.take("pwmchip0", 1, "enable"), "0");
     EXPECT_EQ(folder.take("pwmchip0", 3, "enable"), "0");
     EXPECT_EQ(folder.take("pwmchip0", 0, "enable"), "");
-}
-
-/// Output 0: 1,500,000 ns.
-constexpr std::array<std::uint8_t, 5> kCentre{0, 0x60, 0xE3, 0x16, 0x00};
-
-/// Waits until the link says that of a frame.
-bool says(PwmLink& link, WriteStatus status) {
-    return seen_within([&] { return link.write(kCentre) == status; });
 }
 
 TEST(PwmLink, SentNothingWhileTheBusOfTheChipHangs) {

@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "config/load.h"
@@ -120,6 +121,33 @@ TEST(ByteValues, DoNotShareADeviceWithAnInput) {
               Lines{"10:10: device \"/dev/ttyB\" is already used by [values.fc] in line 3; one "
                     "device serves at most one input and one output, or one [values.NAME] and one "
                     "output"});
+}
+
+/// The sensor of the bus sends a value that the table does not have.
+TEST(ByteValues, AreUnknownAfterAMistakeInTheirPlace) {
+    const auto with = [](const std::string& lines) {
+        std::string text = with_values("protocol = \"crsf-telemetry\"\n" + lines);
+        return mistakes(text.replace(text.find("fc.battery.voltage"), 18, "fc.nothing"));
+    };
+    EXPECT_EQ(with("device = \"/dev/ttyB\"\n").size(), 1U);
+    for (const std::string lines :
+         {"device = 3\n", "device = \"/dev/ttyB\"\nbaud = \"x\"\n",
+          "address = \"[::1]:5502\"\npublic = 5\n", "address = \"[::1]:5502\"\nsender = 5\n",
+          "device = \"/dev/ttyB\"\naddress = \"[::1]:5502\"\n"}) {
+        const Lines found = with(lines);
+        ASSERT_EQ(found.size(), 1U) << lines;
+        EXPECT_EQ(found[0].find("there is no value"), std::string::npos) << found[0];
+    }
+}
+
+TEST(ByteValues, AtAnAddressAreNotPublicUnlessTheUserSaysSo) {
+    const auto configuration = load_configuration(
+        with_values("protocol = \"crsf-telemetry\"\naddress = \"[::1]:5502\"\n"), "f");
+    ASSERT_TRUE(configuration);
+    const auto& source = std::get<ValueMessageConfig>(configuration->values.at(0).source);
+    const bool* is_public = source.port.settings.find_as<bool>("public");
+    ASSERT_NE(is_public, nullptr);
+    EXPECT_FALSE(*is_public);
 }
 
 }  // namespace

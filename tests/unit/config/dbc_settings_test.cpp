@@ -202,6 +202,14 @@ TEST_F(DbcSettings, AnInputWaitsForThreeCyclesByDefaultButNotLessThanOthers) {
               "timeout; recommended: three times as long"});
 }
 
+TEST_F(DbcSettings, AnInputKnowsWhichChannelsAreOptional) {
+    const auto configuration = load_input(
+        "signals.Command.Speed = { channel = 1, optional = true }\n"
+        "signals.Heartbeat.State = { channel = 2, value = [0, 100], us = [1000, 2000] }\n");
+    ASSERT_TRUE(configuration) << format_mistake(configuration.error().front());
+    EXPECT_EQ(configuration->inputs.at(0).supervision.optional_channels, 1U);
+}
+
 TEST_F(DbcSettings, ThePeriodIsTheCycleOfTheFileUnlessTheUserSaysOtherwise) {
     constexpr std::string_view kSignals = "dbc = \"bus.dbc\"\nsignals.Command.Speed = 1\n";
     EXPECT_EQ(loaded(kSignals).outputs.at(0).schedule.period, milliseconds(50));

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 #include "config/build/dronecan.h"
 #include "config/load.h"
 #include "config/show/effective.h"
+#include "transports/links/can/can_medium.h"
 
 namespace tribus::dronecan_test {
 namespace {
@@ -245,6 +247,46 @@ TEST(DroneCanConfiguration, RefusesANameThatNoNodeMayHave) {
         << mistakes;
 }
 
+TEST(DroneCanConfiguration, TakesNamesOfFiftySmallLettersDigitsAndMarks) {
+    const auto with = [](const std::string& name) {
+        return mistakes_of(with_output(
+            "", "[dronecan.bus]\ninterface = \"can1\"\nnode_id = 7\nname = \"" + name + "\"\n"));
+    };
+    EXPECT_EQ(with("az.09_-"), "");
+    EXPECT_EQ(with(std::string(50, 'a')), "");
+    EXPECT_NE(with(std::string(51, 'a')), "");
+}
+
+TEST(DroneCanConfiguration, TakesOneIdThatTwoOutputsName) {
+    EXPECT_EQ(mistakes_of(with_output("node_id = 42",
+                                      "[output.second]\nprotocol = \"dronecan\"\nreceiver = 1\n"
+                                      "interface = \"can1\"\nnode_id = 42\n"
+                                      "[pipeline.b]\nfrom = \"receiver\"\nto = \"second\"\n")),
+              "");
+}
+
+TEST(DroneCanConfiguration, NamesThePlaceOfTheSecondTable) {
+    EXPECT_EQ(
+        mistakes_of(with_output("",
+                                "[dronecan.a]\ninterface = \"can1\"\nnode_id = 7\n"
+                                "[dronecan.b]\ninterface = \"can1\"\n")),
+        "test.toml:17:13: [dronecan.a] is already a node on \"can1\"; allowed: one node on an "
+        "interface, for all its outputs\n");
+}
+
+TEST(DroneCanConfiguration, HasTheDefaultsOfWhatAnOutputCarries) {
+    const Configuration configuration = load(with_output("node_id = 42"));
+    const auto* receiver = configuration.outputs.at(0).settings.find_as<std::int64_t>("receiver");
+    ASSERT_NE(receiver, nullptr);
+    EXPECT_EQ(*receiver, 0);
+}
+
+TEST(DroneCanConfiguration, HasItsNodeOnCan) {
+    const Configuration configuration =
+        load(with_output("", "[dronecan.bus]\ninterface = \"can1\"\nnode_id = 7\n"));
+    EXPECT_EQ(configuration.dronecan.at(0).port.medium, &kCanMedium);
+}
+
 TEST(DroneCanConfiguration, NamesAQualityThatNobodyGives) {
     const std::string mistakes = mistakes_of(with_output("node_id = 42\nquality = \"radio.rssi\""));
     EXPECT_NE(mistakes.find("radio.rssi"), std::string::npos) << mistakes;
@@ -274,6 +316,48 @@ TEST(DroneCanConfiguration, PutsTheNodeOnThePortOfItsInterface) {
     ASSERT_NE(can, plans.end());
     EXPECT_EQ(can->wiring.stations,
               (std::vector<Station>{{StationKind::output, 0}, {StationKind::dronecan_node, 0}}));
+}
+
+TEST(DroneCanConfiguration, MakesTheSameUniqueIdForEver) {
+    const auto settings = plan_nodes(load(with_output("node_id = 42")), "machine")[0].settings;
+    EXPECT_EQ(settings.unique_id,
+              (dronecan::UniqueId{0x4F, 0x43, 0xCF, 0xE9, 0xC2, 0x83, 0xF6, 0x09, 0x02, 0x7E, 0xB4,
+                                  0xE4, 0x18, 0x97, 0x6E, 0xCD}));
+    EXPECT_EQ(settings.seed, 0x40E33575B71AB755U);
+}
+
+TEST(DroneCanConfiguration, ShowsTheLimitsOfItsParameters) {
+    const auto parameters = [](const std::string& lines) {
+        return plan_nodes(load(with_output("node_id = 42\n" + lines)), {})[0].settings.parameters;
+    };
+    const auto usual = parameters("");
+    ASSERT_EQ(usual.size(), 2U);
+    EXPECT_EQ(usual[0].value, 42);
+    EXPECT_EQ(usual[0].at_start, 42);
+    EXPECT_EQ(usual[0].least, 0);
+    EXPECT_EQ(usual[0].most, 127);
+    EXPECT_EQ(usual[1].value, 10000);
+    EXPECT_EQ(usual[1].at_start, 10000);
+    EXPECT_EQ(usual[1].least, 10000);
+    EXPECT_EQ(usual[1].most, 1'000'000);
+    EXPECT_EQ(parameters("period = \"5ms\"\nforce = true")[1].least, 5000);
+    EXPECT_EQ(parameters("carries = \"motors\"")[1].name, "uavcan.pubp-RawCommand");
+}
+
+TEST(DroneCanConfiguration, IsOneNodeOnEachInterface) {
+    const auto nodes = plan_nodes(
+        load(with_output("node_id = 42",
+                         "[dronecan.other]\ninterface = \"can2\"\nnode_id = 7\n"
+                         "[output.second]\nprotocol = \"dronecan\"\ninterface = \"can1\"\n"
+                         "receiver = 1\n[pipeline.b]\nfrom = \"receiver\"\nto = \"second\"\n")),
+        {});
+    ASSERT_EQ(nodes.size(), 2U);
+    EXPECT_EQ(node_on(nodes, "can2"), 0U);
+    EXPECT_EQ(node_on(nodes, "can1"), 1U);
+    EXPECT_EQ(node_on(nodes, "can3"), std::nullopt);
+    EXPECT_EQ(nodes[1].settings.parameters.size(), 3U);
+    EXPECT_EQ(nodes[1].settings.parameters[2].output, std::optional<std::size_t>(1));
+    EXPECT_EQ(nodes[0].settings.parameters.size(), 1U);
 }
 
 }  // namespace

@@ -248,6 +248,20 @@ constexpr Spoilt kKeys[]{
     {"a_number_of_channels_of_an_input", 2, "protocol = \"crsf\"\nchannels = 8",
      "t.toml:3:1: unknown key \"channels\" in [input.receiver]; the sender of \"crsf\" decides how "
      "many channels come; leave it out, or say with \"map\" which ones are used"},
+    {"a_number_of_channels_in_quotes", 6, "device = \"/dev/ttyB\"\nchannels = \"8\"",
+     "t.toml:7:1: unknown key \"channels\" in [output.servos]; it belongs in [output.NAME] with "
+     "protocol \"ibus\"; allowed: \"protocol\", \"device\", \"period\", \"force\", \"schedule\", "
+     "\"phase\", \"baud\", \"scale\", \"inverted\""},
+    {"a_rate_of_values_at_an_address", 10,
+     "[values.pack]\nprotocol = \"crsf-telemetry\"\naddress = \"[::1]:5502\"\nbitrate = 115200",
+     "t.toml:13:1: unknown key \"bitrate\" in [values.pack]; allowed: \"constant\", \"unit\", "
+     "\"interface\", \"dbc\", \"message\", \"dronecan\", \"node\", \"instance\", \"fd\", "
+     "\"protocol\", "
+     "\"device\", \"address\", \"public\", \"sender\", \"baud\", \"key\", \"signals\", "
+     "\"timeout\""},
+    {"the_parity_of_an_address", 6, "address = \"127.0.0.1:5501\"\nparity = \"even\"",
+     "t.toml:7:1: unknown key \"parity\" in [output.servos]; allowed: \"protocol\", \"address\", "
+     "\"period\", \"force\", \"schedule\", \"phase\", \"public\", \"scale\""},
     {"the_rate_of_a_line_by_another_name", 6, "device = \"/dev/ttyB\"\nbitrate = 200000",
      "t.toml:7:1: unknown key \"bitrate\" in [output.servos]; did you mean \"baud\"? Allowed: "
      "\"protocol\", \"device\", \"period\", \"force\", \"schedule\", \"phase\", \"baud\", "
@@ -310,6 +324,16 @@ constexpr InOutput kInOutput[]{
     {"bit_rate", "[output.bus]\nprotocol = \"can\"\ninterface = \"can1\"\nbitrate = 250000",
      "t.toml:10:1: unknown key \"bitrate\" in [output.bus]; a CAN interface gets it from Linux: "
      "sudo ip link set can1 down; sudo ip link set can1 up type can bitrate 250000"},
+    {"bit_rate_without_an_interface", "[output.bus]\nprotocol = \"can\"\nbitrate = 250000",
+     "t.toml:7:1: [output.bus] lacks \"interface\"; required: CAN interface, such as \"can0\"\n"
+     "t.toml:9:1: unknown key \"bitrate\" in [output.bus]; a CAN interface gets it from Linux: "
+     "sudo ip link set can0 down; sudo ip link set can0 up type can bitrate 250000"},
+    {"bit_rate_of_an_empty_interface",
+     "[output.bus]\nprotocol = \"can\"\ninterface = \"\"\nbitrate = 250000",
+     "t.toml:9:13: \"interface\" is \"\"; allowed: the name of an interface, 1 to 15 characters "
+     "without blanks, \"/\" and \":\"\n"
+     "t.toml:10:1: unknown key \"bitrate\" in [output.bus]; a CAN interface gets it from Linux: "
+     "sudo ip link set can0 down; sudo ip link set can0 up type can bitrate 250000"},
     {"sample_point", "[output.bus]\nprotocol = \"can\"\ninterface = \"can0\"\nsample_point = 0.8",
      "t.toml:10:1: unknown key \"sample_point\" in [output.bus]; a CAN interface gets it from "
      "Linux: "

@@ -115,5 +115,49 @@ TEST(Failsafe, APresetBesideAnotherActionIsKeptForLater) {
     EXPECT_EQ(mistakes_in(with("action = \"silence\"\npreset = { 3 = 988 }")), Lines{});
 }
 
+/// One output that cannot say failsafe. The first line of the text is line 11.
+Lines mistakes_of_silent_output(std::string_view failsafe) {
+    return mistakes_in(main_job_with(5, "protocol = \"ibus\"") + "[pipeline.main.failsafe]\n" +
+                       std::string(failsafe));
+}
+
+constexpr std::string_view kNotSent =
+    "\"preset\" is not sent in failsafe: without \"action\", an output whose protocol cannot say "
+    "failsafe goes silent; add action = \"preset\", or action = \"silence\" if \"preset\" is only "
+    "for channels that the input lacks";
+
+TEST(Failsafe, APresetThatTheDefaultActionOfAllOutputsIgnoresIsAMistake) {
+    EXPECT_EQ(mistakes_of_silent_output("preset = { 3 = 988 }"),
+              Lines{"t.toml:11:1: " + std::string(kNotSent)});
+    EXPECT_EQ(mistakes_in(with("preset = { 3 = 988 }")), Lines{}) << "SBUS sends it";
+}
+
+TEST(Failsafe, APresetThatTheOnlyOutputReplacesIsAMistakeWithoutAnAction) {
+    const std::string own = "[pipeline.main.failsafe.output.servos]\npreset = { 3 = 990 }\n";
+    EXPECT_EQ(
+        mistakes_of_silent_output("preset = { 3 = 988 }\n" + own),
+        (Lines{"t.toml:11:1: " + std::string(kNotSent), "t.toml:13:1: " + std::string(kNotSent)}));
+    EXPECT_EQ(
+        mistakes_in(main_job_with(10, "[pipeline.main.failsafe]\npreset = { 3 = 988 }\n" + own)),
+        Lines{"t.toml:11:1: " + std::string(kNotSent)});
+    EXPECT_EQ(mistakes_of_silent_output("action = \"silence\"\npreset = { 3 = 988 }\n" + own),
+              Lines{});
+}
+
+TEST(Failsafe, APresetOfAnOutputIsSentByItsOwnOrTheCommonAction) {
+    EXPECT_EQ(mistakes_of_silent_output("[pipeline.main.failsafe.output.servos]\n"
+                                        "action = \"preset\"\npreset = { 3 = 988 }"),
+              Lines{});
+    EXPECT_EQ(mistakes_of_silent_output("action = \"preset\"\n"
+                                        "[pipeline.main.failsafe.output.servos]\n"
+                                        "preset = { 3 = 988 }"),
+              Lines{});
+}
+
+TEST(Failsafe, ControlBeginsAfterTheTimeThatItTakesToRecover) {
+    EXPECT_EQ(loaded("recover = \"2s\"")[0].power_on, milliseconds(2000));
+    EXPECT_EQ(loaded("recover = \"2s\"\npower_on = \"1s\"")[0].power_on, milliseconds(1000));
+}
+
 }  // namespace
 }  // namespace tribus::test::failsafe_test

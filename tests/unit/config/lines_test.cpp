@@ -230,6 +230,27 @@ constexpr Spoilt kMistakes[]{
      "[pipeline.main.channels]\n3 = { line = \"bind\", trim = 5 }\n[gpio.bind]\nline = \"A\"\n"
      "role = \"button\"",
      R"(t.toml:11:22: "trim" has no effect together with "line"; leave one of them out)"},
+    {"period_of_a_lamp", 10, "[gpio.a]\nline = \"A\"\nrole = \"link\"\nperiod = \"1s\"",
+     R"(t.toml:13:1: "period" has no effect with role "link": it is for "fresh"; leave it out)"},
+    {"switch_without_a_channel", 10,
+     "[gpio.a]\nline = \"A\"\nrole = \"switch\"\noutput = \"servos\"\nabove = 1700",
+     R"(t.toml:10:1: [gpio.a] lacks "channel"; required with role "switch", such as channel = 9, )"
+     R"(above = 1700)"},
+    {"one_of_two_buttons_without_a_channel", 10,
+     "[pipeline.main.channels]\n12 = { line = \"used\" }\n[gpio.used]\nline = \"A\"\n"
+     "role = \"button\"\n[gpio.a]\nline = \"B\"\nrole = \"button\"",
+     R"(t.toml:15:7: no channel is made from button "a", so it would have no effect; name it in )"
+     R"([pipeline.NAME.channels], such as 12 = { line = "a" }, or leave it out)"},
+    {"channel_from_a_misspelt_line_behind_another", 10,
+     "[pipeline.main.channels]\n3 = { line = \"bnid\" }\n[gpio.lamp]\nline = \"B\"\n"
+     "role = \"link\"\n[gpio.bind]\nline = \"A\"\nrole = \"button\"",
+     R"(t.toml:11:14: no line with role "button" is named "bnid"; did you mean "bind"? Allowed: )"
+     R"("bind")"},
+    {"channel_from_a_lamp", 10,
+     "[pipeline.main.channels]\n3 = { line = \"lamp\" }\n[gpio.lamp]\nline = \"B\"\n"
+     "role = \"link\"",
+     R"(t.toml:11:14: no line with role "button" is named "lamp"; add a [gpio.lamp] with role = )"
+     R"("button")"},
     {"line_in_the_map_of_an_input", 3, "device = \"/dev/ttyA\"\nmap = { 3 = { line = \"a\" } }",
      R"(t.toml:4:15: "line" makes a channel of an output; it is only allowed in )"
      R"([pipeline.NAME.channels])"},

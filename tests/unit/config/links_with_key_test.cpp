@@ -19,7 +19,8 @@ using Lines = std::vector<std::string>;
 class LinksWithKey : public ::testing::Test {
   protected:
     LinksWithKey() {
-        for (const auto& [name, digit] : {std::pair("a.key", '7'), {"b.key", '8'}}) {
+        for (const auto& [name, digit] :
+             {std::pair("a.key", '7'), {"b.key", '8'}, {"c.key", '9'}, {"d.key", '6'}}) {
             std::filesystem::permissions(folder_.write(name, std::string(64, digit)),
                                          std::filesystem::perms::owner_read);
         }
@@ -96,6 +97,34 @@ TEST_F(LinksWithKey, AnOldKeyIsAKeyToo) {
               1U);
 }
 
+TEST_F(LinksWithKey, TwoOfOneOldKeyNeedDifferentNames) {
+    const auto with = [&](const std::string& old) {
+        return mistakes("[input.a]\n" + network("127.0.0.1:5700", kKey + "old_key = \"c.key\"\n") +
+                        "[input.b]\n" + network("127.0.0.1:5701", "key = \"b.key\"\n" + old) +
+                        "[output.servos]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyB\"\n"
+                        "[pipeline.main]\nfrom = [\"a\", \"b\"]\nto = \"servos\"\n")
+            .size();
+    };
+    EXPECT_EQ(with("old_key = \"c.key\"\n"), 1U);
+    EXPECT_EQ(with("old_key = \"d.key\"\n"), 0U);
+    EXPECT_EQ(with(""), 0U);
+}
+
+TEST_F(LinksWithKey, AreComparedInTheOrderOfTheFile) {
+    const std::string rest =
+        "[output.servos]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyB\"\n"
+        "[pipeline.main]\nfrom = [\"a\", \"b\"]\nto = [\"servos\", \"out\"]\n";
+    const Lines found = mistakes("[output.out]\n" + network("127.0.0.1:5701", kKey) +
+                                 "[input.a]\n" + network("127.0.0.1:5702", "key = \"b.key\"\n") +
+                                 "[input.b]\n" + network("127.0.0.1:5703", kKey) + rest);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].rfind("t.toml:9:8: [input.b] has the key and the name of the link of "
+                             "[output.out] in line 1, ",
+                             0),
+              0U)
+        << found[0];
+}
+
 TEST_F(LinksWithKey, WhatOnlyAKeyGivesAMeaningNeedsOne) {
     EXPECT_EQ(mistakes(both(network("127.0.0.1:5700", "old_key = \"a.key\"\n"),
                             network("127.0.0.1:5701", "link = \"back\"\n"))),
@@ -128,6 +157,9 @@ TEST_F(LinksWithKey, TwoEndsNeedTwoEpochFiles) {
                  network("127.0.0.1:5701", kKey + "epoch = \"" + second + "\"\nlink = \"b\"\n")));
     };
     EXPECT_EQ(with("/a/boat.epoch", "/a/shore.epoch"), Lines{});
+    EXPECT_EQ(mistakes(both(network("127.0.0.1:5700", kKey + "epoch = \"/a\"\nlink = \"a\"\n"),
+                            network("127.0.0.1:5701", kKey + "link = \"b\"\n"))),
+              Lines{});
     EXPECT_EQ(with("/a/boat.epoch", "/a/./boat.epoch"),
               Lines{"t.toml:7:9: [output.out] has the epoch file of [input.in] in line 1; allowed: "
                     "another file for each, because one would use up the numbers of the other"});
@@ -175,6 +207,16 @@ TEST_F(LinksWithKey, OnCanTakeTheIdOfTheirAnswersToo) {
     const Lines found = mistakes(both(can("fd = true\n" + kKey), can("id = 0x2FF\n")));
     ASSERT_EQ(found.size(), 1U);
     EXPECT_NE(found.front().find("the id 0x300"), std::string::npos) << found.front();
+}
+
+TEST_F(LinksWithKey, OnCanAnswerWithAnIdThatNoOtherInputHears) {
+    EXPECT_EQ(mistakes("[input.in]\n" + can("fd = true\n" + kKey) + "[input.other]\n" +
+                       can("id = 0x2FF\n") +
+                       "[output.servos]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyB\"\n"
+                       "[pipeline.main]\nfrom = [\"in\", \"other\"]\nto = \"servos\"\n"),
+              Lines{"t.toml:8:13: on \"can0\" the id 0x300 of [input.other] is also used by "
+                    "[input.in] in line 3; allowed: ids that only one output sends and no input of "
+                    "the same file receives"});
 }
 
 TEST_F(LinksWithKey, AnswerAndHearOnTheirPorts) {

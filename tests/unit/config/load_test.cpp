@@ -6,6 +6,7 @@
 #include <chrono>
 #include <filesystem>
 
+#include "tests/support/temporary_folder.h"
 #include "tests/unit/config/main_job.h"
 
 namespace tribus::test::load_test {
@@ -247,6 +248,35 @@ TEST(Load, AcceptsAThousandPipelinesWithEighteenRulesEach) {
 TEST(Load, RefusesAFileOfAbsurdLength) {
     const auto lines = mistakes_in(std::string(5'000'000, '#'));
     EXPECT_EQ(lines, Lines{"t.toml:1:1: the file is too long; allowed: at most 4194304 bytes"});
+}
+
+TEST(Load, ReadsAFileOfTheLargestSizeToItsEnd) {
+    const TemporaryFolder folder;
+    const std::string start = "#";
+    const std::string end = "\n" + main_job_with(9, "to = \"servos\" ]");
+    const std::string filled =
+        start + std::string(4'194'304 - start.size() - end.size(), '#') + end;
+    const auto refused = load_configuration_file(folder.write("largest.toml", filled));
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().front().where.line, 10U) << refused.error().front().text;
+    const auto longer = load_configuration_file(folder.write("longer.toml", "#" + filled));
+    ASSERT_FALSE(longer);
+    EXPECT_EQ(longer.error().front().text, "the file is too long; allowed: at most 4194304 bytes");
+}
+
+TEST(Load, JudgesTheDevicesOfAFile) {
+    const auto refused =
+        load_configuration_draft(main_job_with(3, "device = \"/dev/null\""), "t.toml");
+    ASSERT_FALSE(refused);
+    ASSERT_EQ(refused.error().size(), 1U);
+    EXPECT_EQ(
+        format_mistake(refused.error().front()),
+        "t.toml:3:10: \"device\" is \"/dev/null\": this is not a serial device; give a serial "
+        "device, such as /dev/ttyUSB0");
+}
+
+TEST(Load, TakesTheLeastSpacingFromTheProtocol) {
+    EXPECT_EQ(main_job().outputs.at(0).schedule.least_spacing, milliseconds(6)) << "that of SBUS";
 }
 
 }  // namespace

@@ -38,5 +38,15 @@ TEST(ManyMistakes, MayBeTemporaryOnlyIfAllAre) {
     EXPECT_FALSE(may_be_temporary(mistakes.sorted()));
 }
 
+TEST(ManyMistakes, AreCountedWhereKeysAreMissing) {
+    std::string text;
+    for (int input = 0; input < 150; ++input) {
+        text += "[input.i" + std::to_string(input) + "]\n";
+    }
+    const auto mistakes = load_configuration(text, "c.toml").error();
+    ASSERT_EQ(mistakes.size(), Mistakes::kMostTexts + 1);
+    EXPECT_EQ(format_mistake(mistakes.back()), "c.toml: and 51 more");
+}
+
 }  // namespace
 }  // namespace tribus::many_mistakes_test

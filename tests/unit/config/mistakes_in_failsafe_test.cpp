@@ -119,6 +119,44 @@ TEST(PresetsOfMotors, MustBeWritten) {
     EXPECT_EQ(mistakes_in(motors("", "")), Lines{});
 }
 
+constexpr std::string_view kAction = "action = \"preset\"\n";
+
+TEST(PresetsOfMotors, AreAskedForByTheirChannels) {
+    using Lines = std::vector<std::string>;
+    const auto with = [](std::string_view settings, std::string_view presets) {
+        return mistakes_in(motors(settings, std::string(kAction) + std::string(presets)));
+    };
+    EXPECT_EQ(with("channels = 2\n", "preset = { 1 = 1000, 2 = 1200 }\n"), Lines{});
+    EXPECT_EQ(with("channels = 2\n", "preset = { 2 = 1000 }\n"),
+              Lines{"t.toml:14:10: " + unwritten("1", "1500", "1000")});
+    EXPECT_EQ(with("channels = 2\n", "preset = { 1 = 1200 }\n"),
+              Lines{"t.toml:14:10: " + unwritten("2", "1500", "1000")});
+}
+
+TEST(PresetsOfMotors, AreNotAskedForWhereTheOthersStandStill) {
+    for (const std::string_view count : {"1", "2"}) {
+        EXPECT_EQ(mistakes_in(motors("reversible = true\nchannels = " + std::string(count) + "\n",
+                                     kAction)),
+                  std::vector<std::string>{});
+    }
+}
+
+TEST(PresetOfOneMotor, IsAskedForBesideThoseOfOtherChannels) {
+    const auto found = mistakes_in(motors("channels = 1\n", kAction));
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_NE(found[0].find("such as preset = { 1 = 1000, other = 1500 }, or"), std::string::npos)
+        << found[0];
+}
+
+TEST(PresetsOfMotors, AreNotMissingWhereTheyAreMisspelt) {
+    for (const std::string_view presets :
+         {"preset = 1500\n", "preset = { othr = 1000 }\n",
+          "[pipeline.main.failsafe.output.esc]\npreset = 1500\n"}) {
+        EXPECT_EQ(mistakes_in(motors("", std::string(kAction) + std::string(presets))).size(), 1U)
+            << presets;
+    }
+}
+
 TEST(HoldWithoutAMark, IsAtMost300MillisecondsUnlessForced) {
     using Lines = std::vector<std::string>;
     const auto held = [](std::string_view output, std::string_view hold) {

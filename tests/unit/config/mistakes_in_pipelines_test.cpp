@@ -25,6 +25,8 @@ constexpr Spoilt kMistakes[]{
      R"(t.toml:8:21: no input is named "x"; allowed: "receiver")"},
     {"misspelt_output", 9, R"(to = "servo")",
      R"(t.toml:9:6: no output is named "servo"; did you mean "servos"? Allowed: "servos")"},
+    {"unknown_output", 9, R"(to = ["servos", "x"])",
+     R"(t.toml:9:17: no output is named "x"; allowed: "servos")"},
     {"from_of_a_wrong_type", 8, "from = 1",
      R"(t.toml:8:8: "from" is 1; allowed: the name of an input, or a list of names)"},
     {"empty_from", 8, "from = []",

@@ -199,6 +199,41 @@ scale = { raw = [0, 2000], us = [1000, 1499] })",
 scale = { raw = [0, 1000], us = [0, 2001] })",
      R"(t.toml:7:9: "scale" maps raw 0 to 2047 to the range 0 to 4096.05 us; allowed: within )"
      R"(-4000 to 4095 us)"},
+    {"address_beside_a_device", 3,
+     R"(device = "/dev/ttyA"
+address = "127.0.0.1:5501")",
+     R"(t.toml:4:1: "address" in [input.receiver], which has "device" already; leave one of them )"
+     R"(out)"},
+    {"range_with_a_low_end_out_of_range", 3,
+     R"(device = "/dev/ttyA"
+plausible = [-1, 2000])",
+     R"(t.toml:4:13: "plausible" is [-1, 2000]; allowed: two numbers of microseconds from 0 to )"
+     R"(4095, the lower one first: [850, 2150])"},
+    {"range_with_a_high_end_out_of_range", 3,
+     R"(device = "/dev/ttyA"
+plausible = [800, 4096])",
+     R"(t.toml:4:13: "plausible" is [800, 4096]; allowed: two numbers of microseconds from 0 to )"
+     R"(4095, the lower one first: [850, 2150])"},
+    {"schedule_of_a_handset", 5,
+     R"(protocol = "crsf"
+role = "handset"
+baud = 400000
+schedule = "follow")",
+     R"(t.toml:8:12: "schedule" is "follow", but the receiver of the frames says when they should )"
+     R"(come; allowed: "grid", or leave schedule out)"},
+    {"phase_of_a_handset", 5,
+     R"(protocol = "crsf"
+role = "handset"
+baud = 400000
+phase = "locked")",
+     R"(t.toml:8:9: "phase" is "locked", but the receiver of the frames says when they should )"
+     R"(come; leave phase out)"},
+    {"rate_of_a_handset_by_default", 5,
+     R"(protocol = "crsf"
+role = "handset")",
+     R"(t.toml:4:1: "baud" is 420000, the default, but a transmitter module does not look for )"
+     R"(its handset at this rate; allowed: 115200, 400000, 921600, 1870000, 2250000, 3750000, )"
+     R"(5250000)"},
     {"value_rules_that_are_no_list", 3,
      R"(device = "/dev/ttyA"
 failsafe_when = { channel = 3, below = 950 })",
@@ -237,6 +272,61 @@ failsafe_when = [{ channel = 3, below = 2000, above = 1000 }])",
 
 INSTANTIATE_TEST_SUITE_P(Mistakes, MistakeInPorts, ::testing::ValuesIn(kMistakes),
                          [](const auto& mistake) { return std::string(mistake.param.name); });
+
+using Lines = std::vector<std::string>;
+
+/// The mistakes behind the line.
+Lines mistakes_in_scale(std::string_view scale) {
+    Lines lines =
+        mistakes_in(main_job_with(6, "device = \"/dev/ttyB\"\nscale = " + std::string(scale)));
+    for (std::string& line : lines) {
+        line.erase(0, std::string_view("t.toml:7:").size());
+    }
+    return lines;
+}
+
+TEST(RawValuesOfAScale, AreTwoDifferentWholeNumbers) {
+    for (const std::string raw : {"5", "[172.5, 1811]", "[172, 1811.5]", "[172, 2048]",
+                                  "[-1, 1811]", "[172, 1000, 1811]"}) {
+        EXPECT_EQ(mistakes_in_scale("{ raw = " + raw + ", us = [988, 2012] }"),
+                  Lines{"17: \"raw\" is not a list of two different whole numbers from 0 to 2047; "
+                        "example: { raw = [172, 1811], us = [988, 2012] }"})
+            << raw;
+    }
+}
+
+TEST(MicrosecondsOfAScale, AreTwoDifferentNumbersOfAPulse) {
+    for (const std::string us : {"[988, 4096]", "[-4001, 988]"}) {
+        EXPECT_EQ(mistakes_in_scale("{ raw = [172, 1811], us = " + us + " }"),
+                  Lines{"35: \"us\" is not a list of two different numbers from -4000 to 4095; "
+                        "example: { raw = [172, 1811], us = [988, 2012] }"})
+            << us;
+    }
+}
+
+TEST(SlopeOfAScale, HasLimits) {
+    EXPECT_EQ(mistakes_in_scale("{ raw = [0, 2000], us = [1000, 1500] }"), Lines{});
+    EXPECT_EQ(
+        mistakes_in_scale("{ raw = [1000, 1250], us = [1000, 2000] }"),
+        Lines{"9: \"scale\" maps raw 0 to 2047 to the range -3000 to 5188 us; allowed: within "
+              "-4000 to 4095 us"});
+    EXPECT_EQ(mistakes_in_scale("{ raw = [0, 100], us = [1000, 1500] }"),
+              Lines{"9: \"scale\" has a slope of 5 us for each raw step; allowed: 0.25 to 4"});
+}
+
+TEST(RangeOfAScale, IsThatOfAPulse) {
+    EXPECT_EQ(mistakes_in_scale("{ raw = [0, 1000], us = [-4000, -3000] }"), Lines{});
+    EXPECT_EQ(mistakes_in_scale("{ raw = [0, 1000], us = [2048, 3048] }"), Lines{});
+    EXPECT_EQ(mistakes_in_scale("{ raw = [0, 1000], us = [2049, 3049] }").size(), 1U);
+    EXPECT_EQ(mistakes_in_scale("{ raw = [1, 1001], us = [-4000, -3000] }").size(), 1U);
+}
+
+TEST(Range, MayBeOneNumber) {
+    EXPECT_EQ(
+        mistakes_in(main_job_with(
+            3, "device = \"/dev/ttyA\"\nfailsafe_when = [{ channel = 3, between = [990, 990] }]")),
+        Lines{});
+}
 
 }  // namespace
 }  // namespace tribus::test::mistakes_in_ports_test

@@ -49,6 +49,10 @@ second = [1]
      R"(runtime = [1]
 [input.receiver])",
      R"(t.toml:1:11: "runtime" is [1]; allowed: a table, [runtime])"},
+    {"lines_that_are_a_list", 1, "gpio = [1]\n[input.receiver]",
+     R"(t.toml:1:8: "gpio" is [1]; allowed: a table with a name, [gpio.NAME])"},
+    {"lines_that_are_a_number", 1, "gpio = 5\n[input.receiver]",
+     R"(t.toml:1:8: "gpio" is 5; allowed: a table with a name, [gpio.NAME])"},
     {"name_with_a_space", 7, R"([pipeline."main one"])",
      R"(t.toml:7:11: "main one" is not a name; allowed: letters, digits, "_" and "-", )"
      R"(at least one)"},
@@ -84,6 +88,10 @@ cpu = 2024-02-29)",
 
 INSTANTIATE_TEST_SUITE_P(Mistakes, MistakeInTables, ::testing::ValuesIn(kMistakes),
                          [](const auto& mistake) { return std::string(mistake.param.name); });
+
+TEST(NameOfATable, MayHaveLettersDigitsAndTwoMarks) {
+    EXPECT_EQ(mistakes_in(main_job_with(7, "[pipeline.AZ_az-09]")), std::vector<std::string>{});
+}
 
 }  // namespace
 }  // namespace tribus::test::mistakes_in_tables_test

@@ -37,6 +37,12 @@ TEST(RecorderTable, ThatIsEmptyHasEveryDefault) {
     EXPECT_EQ(configuration->recorder->space_mib, 100);
 }
 
+TEST(RecorderTable, KeepsItsPlace) {
+    const auto configuration = load_configuration(with_recorder(""), "t.toml");
+    ASSERT_TRUE(configuration);
+    EXPECT_EQ(configuration->recorder->where.line, 10U);
+}
+
 TEST(RecorderTable, MeansTheSameInItsEffectiveForm) {
     const auto configuration = load_configuration(with_recorder(R"(directory = "/data/tribus"
 memory = 64

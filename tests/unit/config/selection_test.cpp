@@ -142,17 +142,23 @@ mode = "median"
                   R"(one could not be outvoted; allowed: three or more inputs, or another mode)"});
 }
 
-TEST(MoreInputsThanAPipelineMayHave, AreAMistake) {
+/// A pipeline of so many inputs.
+std::string with_inputs(int count) {
     std::string text;
     std::string from;
-    for (int i = 1; i <= 17; ++i) {
+    for (int i = 1; i <= count; ++i) {
         const std::string number = std::to_string(i);
         text +=
             "[input.in" + number + "]\nprotocol = \"ibus\"\ndevice = \"/dev/tty" + number + "\"\n";
         from += (from.empty() ? "\"in" : ", \"in") + number + "\"";
     }
     text += "[output.out]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyOut\"\n[pipeline.main]\n";
-    EXPECT_EQ(mistakes_in(text + "from = [" + from + "]\nto = \"out\"\n"),
+    return text + "from = [" + from + "]\nto = \"out\"\n";
+}
+
+TEST(MoreInputsThanAPipelineMayHave, AreAMistake) {
+    EXPECT_EQ(mistakes_in(with_inputs(16)), std::vector<std::string>{});
+    EXPECT_EQ(mistakes_in(with_inputs(17)),
               std::vector<std::string>{
                   "t.toml:56:8: [pipeline.main] has 17 inputs; allowed: at most 16"});
 }
@@ -163,6 +169,54 @@ TEST(HandoverOfOneInput, IsAMistake) {
                   R"(t.toml:10:1: "changeover" has no effect: [pipeline.main] has one input; )"
                   R"(leave it out, or name further inputs in "from")"});
 }
+
+TEST(MedianOfOne, SaysThatItHasOneInput) {
+    EXPECT_EQ(
+        mistakes_in(main_job_with(10, "mode = \"median\"")),
+        std::vector<std::string>{
+            R"(t.toml:10:8: "mode" is "median", but [pipeline.main] has 1 input: a wrong one )"
+            R"(could not be outvoted; allowed: three or more inputs, or another mode)"});
+}
+
+TEST(TwoInputs, MayHaveAHandoverAndAChangeover) {
+    std::string two = three_with(
+        "handover = { input = \"b\", channel = 8 }\nchangeover = \"500us/s\"", R"(["a", "b"])");
+    two.erase(two.find("[input.c]"), two.find("[output.out]") - two.find("[input.c]"));
+    EXPECT_EQ(mistakes_in(two), std::vector<std::string>{});
+}
+
+/// The lines of a pipeline and its inputs. There is one mistake in them.
+struct Single {
+    std::string_view name;
+    std::string_view lines;
+    std::string_view from;
+    std::string_view place;
+};
+
+std::ostream& operator<<(std::ostream& out, const Single& single) {
+    return out << single.name;
+}
+
+class SingleMistakeInSelection : public ::testing::TestWithParam<Single> {};
+
+TEST_P(SingleMistakeInSelection, IsToldWithoutWhatFollowsFromIt) {
+    const auto found = mistakes_in(three_with(GetParam().lines, GetParam().from));
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].substr(0, found[0].find(": ")), GetParam().place);
+}
+
+constexpr Single kSingle[]{
+    {"handover_without_an_input", "handover = { channel = 8 }", kAll, "t.toml:16:12"},
+    {"number_for_the_input_of_a_handover", "handover = { input = 5, channel = 8 }", kAll,
+     "t.toml:16:22"},
+    {"unknown_input_beside_a_handover", "handover = { input = \"d\", channel = 8 }",
+     R"(["a", "b", "c", "xyz"])", "t.toml:15:24"},
+    {"unknown_input_beside_a_changeover", "changeover = \"500us/s\"", R"(["a", "xyz"])",
+     "t.toml:15:14"},
+};
+
+INSTANTIATE_TEST_SUITE_P(Mistakes, SingleMistakeInSelection, ::testing::ValuesIn(kSingle),
+                         [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace
 }  // namespace tribus::test::selection_test

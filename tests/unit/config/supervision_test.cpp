@@ -71,6 +71,12 @@ TEST(Supervision, HasAMapOfItsOwnForAnInput) {
     EXPECT_EQ(configuration->inputs[0].channels[0].output, 2U);
 }
 
+TEST(Supervision, MissesChannelsAfterTheTimeout) {
+    EXPECT_EQ(supervision_of("device = \"/dev/ttyA\"\ntimeout = \"50ms\"").fewer_channels_after,
+              milliseconds(50));
+    EXPECT_EQ(supervision_of("device = \"/dev/ttyA\"").fewer_channels_after, milliseconds(100));
+}
+
 class MistakeInSupervision : public ::testing::TestWithParam<Spoilt> {};
 
 TEST_P(MistakeInSupervision, IsReportedWithItsPlaceAndWhatIsAllowed) {

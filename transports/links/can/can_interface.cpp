@@ -7,6 +7,8 @@
 #include <linux/if_link.h>
 #include <linux/rtnetlink.h>
 
+#include <algorithm>
+
 #include "transports/links/can/netlink_attributes.h"
 
 namespace tribus {
@@ -155,13 +157,12 @@ bool CanInterface::takes_fd() const {
 
 std::optional<CanInterface> parse_link_message(std::span<const std::byte> message) {
     const auto head = take<nlmsghdr>(message);
-    constexpr std::size_t kFixedPart = NLMSG_HDRLEN + NLMSG_ALIGN(sizeof(ifinfomsg));
-    if (!head || head->nlmsg_type != RTM_NEWLINK || head->nlmsg_len > message.size() ||
-        head->nlmsg_len < kFixedPart) {
+    if (!head || head->nlmsg_type != RTM_NEWLINK || head->nlmsg_len > message.size()) {
         return std::nullopt;
     }
     message = message.first(head->nlmsg_len);
-    const auto link = take<ifinfomsg>(message.subspan(NLMSG_HDRLEN));
+    message = message.subspan(std::min<std::size_t>(message.size(), NLMSG_HDRLEN));
+    const auto link = take<ifinfomsg>(message);
     if (!link) {
         return std::nullopt;
     }
@@ -172,7 +173,7 @@ std::optional<CanInterface> parse_link_message(std::span<const std::byte> messag
     interface.lower_up = (link->ifi_flags & IFF_LOWER_UP) != 0;
     interface.running = (link->ifi_flags & IFF_RUNNING) != 0;
     interface.echo = (link->ifi_flags & IFF_ECHO) != 0;
-    for_attributes(message.subspan(kFixedPart),
+    for_attributes(message.subspan(NLMSG_ALIGN(sizeof(ifinfomsg))),
                    [&](unsigned type, std::span<const std::byte> payload) {
                        if (type == IFLA_IFNAME) {
                            interface.name = text(payload);
@@ -205,7 +206,7 @@ std::optional<std::string> fd_problem(const CanInterface& interface) {
 std::vector<std::string> advice(const CanInterface& interface, bool sends, bool fd_wanted) {
     std::vector<std::string> sentences;
     if (!interface.up) {
-        const bool without_rate = interface.kind == "can" && !interface.bit_rate;
+        const bool without_rate = interface.kind == "can" && !interface.bit_rate.has_value();
         sentences.push_back(
             "it is down: " +
             set_link(interface, without_rate ? "up type can bitrate 1000000" : "up") +
@@ -243,9 +244,10 @@ std::string summary(const CanInterface& interface) {
         if (interface.data_bit_rate) {
             line += " (data " + bit_rate_text(*interface.data_bit_rate) + ")";
         }
-        const std::uint32_t permille = interface.sample_point_permille.value_or(0);
-        line += ", sample point " + std::to_string(permille / 10) + "." +
-                std::to_string(permille % 10) + " %";
+    }
+    if (interface.sample_point_permille) {
+        line += ", sample point " + std::to_string(*interface.sample_point_permille / 10) + "." +
+                std::to_string(*interface.sample_point_permille % 10) + " %";
     }
     line += ", MTU " + std::to_string(interface.mtu) + (interface.takes_fd() ? " (FD)" : "");
     line += ", queue " + std::to_string(interface.queue_length);

@@ -46,7 +46,7 @@ WriteStatus CanTransmitter::offer(std::size_t lane, std::span<const CanFrame> sn
 
 std::span<const CanFrame> CanTransmitter::next(Instant now) {
     poll(now);
-    if (in_flight() || pending_ == 0 || down_ || now < retry_at_) {
+    if (in_flight() || pending_ == 0 || now < retry_at_) {
         return {};
     }
     // A snapshot is sent whole before the next lane has its turn, because its receiver waits for
@@ -96,7 +96,6 @@ void CanTransmitter::went_down() {
         ++counts_.downs;
     }
     down_ = true;
-    bus_off_ = false;
     full_ = false;
     full_long_ = false;
     careful_ = true;
@@ -216,7 +215,7 @@ Instant CanTransmitter::due() const {
         const auto lane = static_cast<std::size_t>(std::countr_zero(left));
         due = std::min(due, later(lanes_[lane].offered, kMostWait));
     }
-    if (!in_flight() && !down_ && pending_ != 0) {
+    if (!in_flight() && pending_ != 0) {
         due = std::min(due, retry_at_);
     }
     return due;

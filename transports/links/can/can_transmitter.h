@@ -115,7 +115,7 @@ class CanTransmitter {
     CanCounts& counts_;
     bool confirms_;
     std::array<Lane, kMostLanes> lanes_{};
-    Set pending_ = 0;  ///< lanes with frames that were not handed over
+    Set pending_ = 0;  ///< lanes with frames that were not handed over; none while down
     std::size_t serving_ = 0;
     std::array<CanFrame, kMostSnapshotFrames> flight_{};
     Set in_flight_ = 0;  ///< frames of `flight_` that were not confirmed

@@ -15,21 +15,25 @@ const can_err_mask_t kWantedErrors =
 
 namespace {
 
+using Word = std::array<std::uint8_t, sizeof(std::uint64_t)>;
+
 /// Masks of the first bytes of a word in memory, by their number.
-constexpr std::array<std::uint64_t, kMostClassicBytes + 1> kFirstBytes = [] {
-    std::array<std::uint64_t, kMostClassicBytes + 1> masks{};
-    std::array<std::uint8_t, sizeof(std::uint64_t)> bytes{};
-    for (std::size_t count = 0; count < bytes.size(); ++count) {
-        bytes[count] = 0xFF;
-        masks[count + 1] = std::bit_cast<std::uint64_t>(bytes);
-    }
-    return masks;
-}();
+constexpr std::array<Word, kMostClassicBytes + 1> kFirstBytes{{
+    {},
+    {0xFF},
+    {0xFF, 0xFF},
+    {0xFF, 0xFF, 0xFF},
+    {0xFF, 0xFF, 0xFF, 0xFF},
+    {0xFF, 0xFF, 0xFF, 0xFF, 0xFF},
+    {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF},
+    {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF},
+    {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF},
+}};
 
 std::uint64_t classic_data(const std::uint8_t* data, std::size_t length) {
-    std::uint64_t word = 0;
+    std::uint64_t word{};
     std::memcpy(&word, data, sizeof word);
-    return word & kFirstBytes[length];
+    return word & std::bit_cast<std::uint64_t>(kFirstBytes[length]);
 }
 
 /// Copies data of up to eight bytes as one word, which takes no call and no loop.
@@ -144,7 +148,7 @@ Arrival plausible_arrival(std::optional<Duration> stamp, Duration wall_time, Ins
     if (age < -kMostPlausibleAge || age > std::max(kMostPlausibleAge, now - oldest)) {
         return {.at = oldest, .plausible = false};
     }
-    return {.at = age > Duration::zero() ? now - age : now, .plausible = true};
+    return {.at = now - std::max(age, Duration::zero()), .plausible = true};
 }
 
 }  // namespace tribus

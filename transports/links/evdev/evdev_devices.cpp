@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 namespace tribus {
 namespace {
@@ -101,8 +102,9 @@ std::vector<EvdevDeviceFacts> find_evdev_devices(const fs::path& root) {
             found.push_back(facts_of_event(name, root));
         }
     }
+    // In the order of their numbers, which begin with no zero.
     std::ranges::sort(found, {}, [](const EvdevDeviceFacts& facts) {
-        return std::strtoul(facts.event.c_str() + kEventPrefix.size(), nullptr, 10);
+        return std::pair(facts.event.size(), facts.event);
     });
     return found;
 }
@@ -111,7 +113,7 @@ EvdevDeviceFacts look_at_evdev_device(const std::string& path, const fs::path& r
     std::error_code error;
     const fs::path node = fs::canonical(root / fs::path(path).relative_path(), error);
     const std::string event = node.filename();
-    if (error || !is_event(event) || !fs::exists(root / "sys/class/input" / event, error)) {
+    if (!is_event(event) || !fs::exists(root / "sys/class/input" / event, error)) {
         return {.event = {}, .node = path, .device = path};
     }
     EvdevDeviceFacts facts = facts_of_event(event, root);

@@ -50,8 +50,8 @@ UniqueFd report_timer() {
     UniqueFd timer(::timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC));
     const timespec period{.tv_sec = 0, .tv_nsec = kReportPeriodNanoseconds};
     const itimerspec ticks{.it_interval = period, .it_value = period};
-    if (timer.valid() && ::timerfd_settime(timer.get(), 0, &ticks, nullptr) != 0) {
-        timer.reset();
+    if (timer.valid()) {
+        ::timerfd_settime(timer.get(), 0, &ticks, nullptr);  // refuses only other arguments
     }
     return timer;
 }
@@ -93,13 +93,13 @@ void EvdevLink::find_axes() {
 void EvdevLink::read_whole_state() {
     for (const std::uint16_t code : state_.axis_codes()) {
         input_absinfo range{};
-        if (::ioctl(fd_.get(), EVIOCGABS(code), &range) >= 0) {
+        if (::ioctl(fd_.get(), EVIOCGABS(code), &range) != -1) {
             state_.set_axis(code, range.value);
         }
     }
     CodeSet<KEY_CNT> pressed;
-    if (::ioctl(fd_.get(), EVIOCGKEY(sizeof pressed.words), pressed.words.data()) >= 0) {
-        for (std::uint16_t code = 0; code < KEY_CNT; ++code) {
+    if (::ioctl(fd_.get(), EVIOCGKEY(sizeof pressed.words), pressed.words.data()) != -1) {
+        for (std::uint16_t code = BTN_MISC; code != KEY_CNT; ++code) {
             state_.set_button(code, pressed.has(code));
         }
     }
@@ -111,7 +111,7 @@ EvdevLink::Taken EvdevLink::take_events() {
     std::array<input_event, 64> events{};
     for (int reads = 0; reads < kMostEventReads; ++reads) {
         const ssize_t bytes = ::read(fd_.get(), events.data(), sizeof events);
-        if (bytes < 0) {
+        if (bytes == -1) {
             taken.gone = errno != EAGAIN && errno != EINTR;
             return taken;
         }
@@ -137,7 +137,7 @@ ReadStatus EvdevLink::read(Reception& reception) {
     if (gone_) {
         return ReadStatus::lost;
     }
-    std::uint64_t ticks = 0;
+    std::uint64_t ticks{};
     const bool ticked = ::read(timer_.get(), &ticks, sizeof ticks) == sizeof ticks;
     const Taken taken = take_events();
     gone_ = taken.gone;

@@ -28,7 +28,7 @@ bool is_absent(const std::string& device) {
 
 }  // namespace
 
-const Medium kEvdevMedium{
+constinit const Medium kEvdevMedium{
     .name = "an input device",
     .shape = WireShape::bytes,
     .only_own_protocols = true,

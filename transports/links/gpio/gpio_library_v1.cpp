@@ -21,7 +21,9 @@ class HeldLine : public GpioHeldLine {
   public:
     HeldLine(Chip chip, gpiod_line* line) : chip_(std::move(chip)), line_(line) {}
 
-    bool set(bool active) override { return gpiod_line_set_value(line_, active ? 1 : 0) == 0; }
+    bool set(bool active) override {
+        return gpiod_line_set_value(line_, static_cast<int>(active)) == 0;
+    }
     std::optional<bool> get() const override {
         const int value = gpiod_line_get_value(line_);
         return value < 0 ? std::nullopt : std::optional(value != 0);
@@ -116,7 +118,7 @@ tl::expected<std::unique_ptr<GpioHeldLine>, int> request_gpio_line(const std::st
     if (request.use == GpioUse::input) {
         config.flags |= bias_flag(request.bias);
     }
-    if (gpiod_line_request(line, &config, request.active_at_start ? 1 : 0) != 0) {
+    if (gpiod_line_request(line, &config, static_cast<int>(request.active_at_start)) != 0) {
         return tl::unexpected(errno);
     }
     return std::make_unique<HeldLine>(std::move(chip), line);

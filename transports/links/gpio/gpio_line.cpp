@@ -38,8 +38,8 @@ tl::expected<std::vector<std::string>, int> gpio_chip_paths() {
     if (error) {
         return tl::unexpected(error.value());
     }
-    std::sort(paths.begin(), paths.end(), [](const std::string& a, const std::string& b) {
-        return a.size() != b.size() ? a.size() < b.size() : a < b;
+    std::ranges::sort(paths, {}, [](const std::string& path) {
+        return std::pair(path.size(), std::string_view(path));
     });
     return paths;
 }
@@ -117,11 +117,7 @@ bool is_gpio_line_absent(const GpioPlace& place) {
 tl::expected<std::unique_ptr<GpioHeldLine>, std::string> hold_for_edges(const GpioPlace& place,
                                                                         GpioEdges edges,
                                                                         GpioBias bias) {
-    GpioRequest request;
-    request.use = GpioUse::input;
-    request.bias = bias;
-    request.edges = edges;
-    auto line = hold(place, request);
+    auto line = hold(place, {.use = GpioUse::input, .bias = bias, .edges = edges});
     if (line) {
         make_nonblocking((*line)->descriptor());
     }
@@ -134,11 +130,9 @@ GpioOutput::~GpioOutput() = default;
 tl::expected<std::unique_ptr<GpioOutput>, std::string> GpioOutput::open(const GpioPlace& place,
                                                                         bool active_low,
                                                                         bool active_at_start) {
-    GpioRequest request;
-    request.use = GpioUse::output;
-    request.active_low = active_low;
-    request.active_at_start = active_at_start;
-    auto line = hold(place, request);
+    auto line = hold(
+        place,
+        {.use = GpioUse::output, .active_low = active_low, .active_at_start = active_at_start});
     if (!line) {
         return tl::unexpected(line.error());
     }
@@ -155,11 +149,7 @@ GpioInput::~GpioInput() = default;
 tl::expected<std::unique_ptr<GpioInput>, std::string> GpioInput::open(const GpioPlace& place,
                                                                       bool active_low,
                                                                       GpioBias bias) {
-    GpioRequest request;
-    request.use = GpioUse::input;
-    request.active_low = active_low;
-    request.bias = bias;
-    auto line = hold(place, request);
+    auto line = hold(place, {.use = GpioUse::input, .active_low = active_low, .bias = bias});
     if (!line) {
         return tl::unexpected(line.error());
     }
@@ -178,7 +168,7 @@ std::optional<bool> GpioInput::read() {
     std::array<GpioEdge, kEdgesPerRead> edges{};
     const auto count = line_->read_edges(edges);
     latest_edge_.reset();
-    if (!count) {
+    if (!count.has_value()) {
         return std::nullopt;
     }
     if (*count == edges.size()) {

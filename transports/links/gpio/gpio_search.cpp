@@ -64,11 +64,7 @@ std::string chip_problem(int error) {
 std::size_t common_start(std::string_view a, std::string_view b) {
     const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
     const auto same = [&](char x, char y) { return lower(x) == lower(y); };
-    const std::size_t most = std::min(a.size(), b.size());
-    return static_cast<std::size_t>(
-        std::mismatch(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(most), b.begin(), same)
-            .first -
-        a.begin());
+    return static_cast<std::size_t>(std::ranges::mismatch(a, b, same).in1 - a.begin());
 }
 
 /// All names; those that begin most like `wrong` come first.

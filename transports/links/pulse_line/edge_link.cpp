@@ -23,6 +23,8 @@ constexpr std::uint64_t kQuietNanoseconds = edge_records::kFrameGapEighths * kNa
 /// How often a quiet line is asked whether its chip is still there: Linux 6.1 wakes nobody when it
 /// goes.
 constexpr time_t kPresenceSeconds = 1;
+/// Of the monotonic clock, in nanoseconds.
+constexpr std::uint64_t kInThePast = 1;
 
 static_assert((kEdgesPerRead + 1) * kRecordBytes <= kBytesPerRead);
 
@@ -31,7 +33,7 @@ std::uint32_t eighths_between(std::uint64_t from, std::uint64_t to) {
     const auto rounded = [](std::uint64_t nanoseconds) {
         return (nanoseconds + kNanosecondsAnEighth / 2) / kNanosecondsAnEighth;
     };
-    const std::uint64_t eighths = to < from ? 0 : rounded(to) - rounded(from);
+    const std::uint64_t eighths = rounded(std::max(from, to)) - rounded(from);
     return static_cast<std::uint32_t>(
         std::min<std::uint64_t>(eighths, edge_records::kLongestEighths));
 }
@@ -46,7 +48,7 @@ void add_record(Reception& reception, edge_records::EdgeRecord record) {
 /// A timer that is set to the past expires at once, and then each second.
 EdgeLink::EdgeLink(std::unique_ptr<GpioHeldLine> line, UniqueFd timer)
     : line_(std::move(line)), timer_(std::move(timer)) {
-    set_timer(1);
+    set_timer(kInThePast);
 }
 
 EdgeLink::~EdgeLink() = default;
@@ -96,8 +98,9 @@ ReadStatus EdgeLink::read(Reception& reception) {
     reception.full = false;
     reception.goes_on = false;
     // Before the edges: one that comes in between shows that the line is not quiet.
-    std::uint64_t expirations = 0;
-    const bool expired = ::read(timer_.get(), &expirations, sizeof expirations) > 0;
+    std::uint64_t expirations{};
+    const bool expired =
+        ::read(timer_.get(), &expirations, sizeof expirations) == sizeof expirations;
     if (!gone_ && take_edges(reception)) {
         if (is_quiet_ || expired) {
             set_timer(latest_edge_ + kQuietNanoseconds);
@@ -111,7 +114,7 @@ ReadStatus EdgeLink::read(Reception& reception) {
     if (gone_) {
         return ReadStatus::lost;
     }
-    return reception.count > 0 ? ReadStatus::received : ReadStatus::nothing;
+    return reception.view().empty() ? ReadStatus::nothing : ReadStatus::received;
 }
 
 WriteStatus EdgeLink::write(std::span<const std::uint8_t> /*frame*/) {
@@ -120,7 +123,7 @@ WriteStatus EdgeLink::write(std::span<const std::uint8_t> /*frame*/) {
 
 void EdgeLink::discard_unread() {
     std::array<GpioEdge, kEdgesPerRead> edges{};
-    while (line_->read_edges(edges).value_or(0) == edges.size()) {
+    while (line_->read_edges(edges) == edges.size()) {
     }
     after_loss_ = true;
 }

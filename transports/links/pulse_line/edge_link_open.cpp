@@ -21,11 +21,9 @@ tl::expected<std::unique_ptr<EdgeLink>, std::string> EdgeLink::open(const std::s
     if (!held) {
         return tl::unexpected(std::move(held.error()));
     }
-    auto link = on(std::move(*held));
-    if (!link) {
-        return tl::unexpected(line + ": " + std::strerror(link.error()));
-    }
-    return std::move(*link);
+    return on(std::move(*held)).map_error([&line](int error) {
+        return line + ": " + std::strerror(error);
+    });
 }
 
 tl::expected<std::unique_ptr<EdgeLink>, int> EdgeLink::on(std::unique_ptr<GpioHeldLine> line) {

@@ -95,7 +95,7 @@ tl::expected<std::unique_ptr<Link>, std::string> open_pulse_line(const std::stri
 
 }  // namespace
 
-const Medium kPulseLineMedium{
+constinit const Medium kPulseLineMedium{
     .name = "a pulse line",
     .shape = WireShape::bytes,
     .only_own_protocols = true,

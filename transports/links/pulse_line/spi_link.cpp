@@ -21,26 +21,28 @@ WriteStatus SpiLink::write_asked(std::span<const std::uint8_t> frame, FrameLife 
     if (frame.size() > waiting_.size()) {
         return WriteStatus::unavailable;
     }
-    {
-        const std::unique_lock lock(mutex_, std::try_to_lock);
-        if (!lock) {
-            return WriteStatus::busy;
-        }
+    return keep_frame(frame, life) ? worker_.wake(life) : WriteStatus::busy;
+}
+
+/// Returns false if the worker takes a frame just now.
+bool SpiLink::keep_frame(std::span<const std::uint8_t> frame, FrameLife life) {
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (lock) {
         std::copy(frame.begin(), frame.end(), waiting_.begin());
         waiting_bytes_ = frame.size();
         waiting_until_ = later(life.made, life.valid_for);
     }
-    return worker_.wake(life);
+    return lock.owns_lock();
 }
 
 /// Draws the frame that waits. Returns false if none does.
 bool SpiLink::take_frame(Instant& valid_until) {
     std::array<std::uint8_t, kMostFrameBytes> records{};
-    std::size_t bytes = 0;
+    std::size_t bytes{};
     {
         const std::scoped_lock lock(mutex_);
         records = waiting_;
-        bytes = std::exchange(waiting_bytes_, 0);
+        bytes = std::exchange(waiting_bytes_, {});
         valid_until = waiting_until_;
     }
     return draw_pulses(std::span(records).first(bytes), calibration_, waveform_);
@@ -57,7 +59,7 @@ WriteStatus SpiLink::send_newest() {
     }
     const ssize_t sent = ::write(port_.get(), waveform_.bits.data(), waveform_.bytes);
     const int error = errno;
-    const bool gone = sent < 0 && (error == ENODEV || error == ENXIO || error == ESHUTDOWN);
+    const bool gone = sent == -1 && (error == ENODEV || error == ENXIO || error == ESHUTDOWN);
     outcome_ = sent == static_cast<ssize_t>(waveform_.bytes) ? WriteStatus::written
                : gone                                        ? WriteStatus::lost
                                                              : WriteStatus::unavailable;

@@ -46,6 +46,7 @@ class SpiLink final : public ByteLink {
 
   private:
     SpiLink(UniqueFd port, double calibration);
+    bool keep_frame(std::span<const std::uint8_t> frame, FrameLife life);
     bool take_frame(Instant& valid_until);
     WriteStatus send_newest();
 
@@ -55,7 +56,7 @@ class SpiLink final : public ByteLink {
     double calibration_;
     std::mutex mutex_;  ///< the data thread only tries it
     std::array<std::uint8_t, kMostFrameBytes> waiting_{};
-    std::size_t waiting_bytes_ = 0;
+    std::size_t waiting_bytes_{};
     Instant waiting_until_{};
     WriteStatus outcome_ = WriteStatus::written;  ///< of the thread
     Waveform waveform_;                           ///< of the thread

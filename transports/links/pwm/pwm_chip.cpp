@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -30,8 +31,13 @@ std::string first_line(const fs::path& path) {
     return line;
 }
 
+/// The decimal number at its beginning.
+long number(std::string_view text) {
+    return std::strtol(std::string(text).c_str(), nullptr, 10);
+}
+
 long number_in(const fs::path& path) {
-    return std::strtol(first_line(path).c_str(), nullptr, 10);
+    return number(first_line(path));
 }
 
 /// Empty, or why not.
@@ -44,8 +50,8 @@ std::string write_file(const fs::path& path, const std::string& text) {
     return path.string() + ": " + std::strerror(errno);
 }
 
-std::size_t number_of_chip(const PwmChipFacts& chip) {
-    return std::strtoul(chip.name.c_str() + kChipPrefix.size(), nullptr, 10);
+long number_of_chip(const PwmChipFacts& chip) {
+    return number(std::string_view(chip.name).substr(kChipPrefix.size()));
 }
 
 fs::path folder_of(const PwmChipFacts& chip, std::size_t output) {
@@ -123,11 +129,13 @@ PwmOutputs::PwmOutputs(PwmChipFacts chip, Duration period)
     : chip_(std::move(chip)), period_(period), device_(chip_.device) {}
 
 PwmOutputs::~PwmOutputs() {
-    for (std::size_t output = 0; output < states_.size(); ++output) {
-        if (states_[output] != State::unused) {
+    std::size_t output = 0;
+    for (const State state : states_) {
+        if (state != State::unused) {
             set(output, 0);
             give_back(output);
         }
+        ++output;
     }
 }
 
@@ -158,9 +166,7 @@ std::string PwmOutputs::take(std::size_t output) {
         write_file(chip_.folder / "unexport", std::to_string(output));
     }
     std::string problem = by_device(output) ? device_.take(output, period_) : take_by_files(output);
-    if (problem.empty()) {
-        states_[output] = State::taken;
-    } else {
+    if (!problem.empty()) {
         give_back(output);
     }
     return problem;

@@ -5,6 +5,7 @@
 #include <sys/ioctl.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
@@ -40,7 +41,8 @@ Waveform waveform(std::size_t output, Duration period, std::uint32_t pulse_nanos
 }  // namespace
 
 PwmDevice::PwmDevice(const std::filesystem::path& path)
-    : path_(path), device_(path.empty() ? -1 : ::open(path.c_str(), O_RDWR | O_CLOEXEC)) {}
+    : path_(path),
+      device_(path.empty() ? UniqueFd() : UniqueFd(::open(path.c_str(), O_RDWR | O_CLOEXEC))) {}
 
 bool PwmDevice::gone() const {
     struct stat facts {};
@@ -73,10 +75,8 @@ std::string PwmDevice::set(std::size_t output, Duration period,
     if (::ioctl(device_.get(), kRound, &rounded) != 0) {
         return refused(output);
     }
-    const std::uint64_t off = rounded.period_ns > wave.period_ns
-                                  ? rounded.period_ns - wave.period_ns
-                                  : wave.period_ns - rounded.period_ns;
-    if (off > wave.period_ns / kMostPeriodOffParts) {
+    const auto [shorter, longer] = std::minmax(rounded.period_ns, wave.period_ns);
+    if (longer - shorter > wave.period_ns / kMostPeriodOffParts) {
         return path_.string() + " output " + std::to_string(output) +
                ": the chip makes a period of " + std::to_string(rounded.period_ns) + " ns of " +
                std::to_string(wave.period_ns) + " ns; another program may have set it";

@@ -54,12 +54,8 @@ std::span<const std::uint8_t> ParityMarks::take_until_mark(std::span<const std::
 void ParityMarks::take_byte(std::uint8_t byte, Reception& reception) {
     switch (place_) {
         case Place::plain:
-            if (byte == kMark) {
-                place_ = Place::after_mark;
-            } else {
-                append_byte(byte, false, reception);
-            }
-            return;
+            place_ = Place::after_mark;  // all other bytes are taken at once
+            break;
         case Place::after_mark:
             if (byte == kDamageFollows) {
                 place_ = Place::before_damaged;
@@ -69,11 +65,11 @@ void ParityMarks::take_byte(std::uint8_t byte, Reception& reception) {
             // marked as damaged.
             append_byte(byte, byte != kMark, reception);
             place_ = Place::plain;
-            return;
+            break;
         case Place::before_damaged:
             append_byte(byte, true, reception);
             place_ = Place::plain;
-            return;
+            break;
     }
 }
 

@@ -33,7 +33,7 @@ std::string refusal(const std::string& device) {
 
 }  // namespace
 
-const Medium kSerialMedium{
+constinit const Medium kSerialMedium{
     .name = "a serial line",
     .shape = WireShape::bytes,
     .place = kDeviceSetting,

@@ -5,7 +5,6 @@
 #include <asm/termbits.h>
 #include <fcntl.h>
 #include <linux/serial.h>
-#include <poll.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
@@ -15,9 +14,11 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstddef>
 #include <cstring>
 #include <optional>
+#include <thread>
 
 #include "transports/links/direct_call.h"
 #include "transports/links/serial/uart_rate.h"
@@ -29,6 +30,7 @@ namespace {
 // Number of tries of a read that a signal interrupts. Only the signal that stops the program
 // interrupts the data thread.
 constexpr int kInterruptedTries = 3;
+constexpr auto kDrainPause = std::chrono::milliseconds(1);
 
 constexpr const char* kInUse =
     "another program uses it, or this one opened it under another name; "
@@ -97,7 +99,7 @@ std::optional<std::string> claim(int fd, bool pseudo_terminal) {
     }
     // TIOCEXCL excludes everyone but root, so root must ask. Not on a pty, where the mark of a
     // killed program stays as long as the other end is open.
-    int exclusive = 0;
+    int exclusive{};
     if (!pseudo_terminal && ::ioctl(fd, TIOCGEXCL, &exclusive) == 0 && exclusive != 0) {
         return kInUse;
     }
@@ -117,18 +119,13 @@ struct termios2 raw_line(const LineSettings& settings) {
     }
     line.c_ispeed = settings.baud;
     line.c_ospeed = settings.baud;
-    // With VMIN 0, an empty queue and a missing device would both read as no bytes.
+    // With VMIN 0, an empty queue and a missing device would both read as no bytes. VTIME is 0.
     line.c_cc[VMIN] = 1;
-    line.c_cc[VTIME] = 0;
     return line;
 }
 
 /// Sets the line and reports which settings the port kept.
 tl::expected<PortFacts, std::string> set_line(int fd, dev_t node, const LineSettings& settings) {
-    struct termios2 line {};
-    if (::ioctl(fd, TCGETS2, &line) != 0) {
-        return tl::unexpected(settings_problem(errno));
-    }
     // Sets raw mode and line in one call, then flushes: bytes that came while echo was on are
     // neither read nor sent back.
     const struct termios2 wanted = raw_line(settings);
@@ -136,6 +133,7 @@ tl::expected<PortFacts, std::string> set_line(int fd, dev_t node, const LineSett
         return tl::unexpected(settings_problem(errno));
     }
     ::ioctl(fd, TCFLSH, TCIOFLUSH);
+    struct termios2 line {};
     if (::ioctl(fd, TCGETS2, &line) != 0) {
         return tl::unexpected(settings_problem(errno));
     }
@@ -152,7 +150,7 @@ tl::expected<PortFacts, std::string> set_line(int fd, dev_t node, const LineSett
     facts.data_bits_kept = (changed & CSIZE) == 0;
     // After setting the rate, because some drivers change their base clock with it.
     struct serial_struct driver {};
-    if (::ioctl(fd, TIOCGSERIAL, &driver) == 0 && driver.baud_base > 0) {
+    if (::ioctl(fd, TIOCGSERIAL, &driver) == 0) {
         facts.driver = SerialDriverFacts{driver.type, static_cast<std::uint32_t>(driver.baud_base)};
     }
     return facts;
@@ -219,7 +217,7 @@ SerialPort::~SerialPort() {
         if (::ioctl(fd_.get(), TIOCOUTQ, &queued) != 0 || queued == 0) {
             break;
         }
-        ::poll(nullptr, 0, 1);
+        std::this_thread::sleep_for(kDrainPause);
     }
     if (queued > 0) {
         ::ioctl(fd_.get(), TCFLSH, TCOFLUSH);
@@ -236,19 +234,19 @@ ReadStatus SerialPort::read(Reception& reception) {
     if (lost_) {
         return ReadStatus::lost;
     }
-    ssize_t taken = -1;
-    int error = EINTR;
-    for (int tries = 0; taken < 0 && error == EINTR && tries < kInterruptedTries; ++tries) {
+    ssize_t taken{};
+    int tries = 0;
+    do {
         taken = read_directly(fd_.get(), reception.bytes.data(), reception.bytes.size());
-        error = taken < 0 ? errno : 0;
-    }
+        ++tries;
+    } while (taken == -1 && errno == EINTR && tries < kInterruptedTries);
     if (taken > 0) {
         reception.full = taken == static_cast<ssize_t>(reception.bytes.size());
         marks_.remove(static_cast<std::size_t>(taken), reception);
         return reception.count > 0 ? ReadStatus::received : ReadStatus::nothing;
     }
-    if (taken < 0 && (error == EAGAIN || error == EINTR)) {
-        reception.full = error == EINTR;
+    if (taken == -1 && (errno == EAGAIN || errno == EINTR)) {
+        reception.full = errno == EINTR;
         return ReadStatus::nothing;
     }
     // End of file is a hang-up. Any other error would occur again at every wake-up, so the port is
@@ -259,7 +257,7 @@ ReadStatus SerialPort::read(Reception& reception) {
 
 /// A read of a terminal without bytes waits for the kernel's worker (Link::wakes_at_each_arrival).
 bool SerialPort::has_unread() const {
-    int bytes = 0;
+    int bytes{};
     return ::ioctl(fd_.get(), TIOCINQ, &bytes) == 0 && bytes > 0;
 }
 
@@ -276,7 +274,7 @@ WriteStatus SerialPort::write(std::span<const std::uint8_t> frame) {
 }
 
 WriteStatus SerialPort::ask() {
-    int queued = 0;
+    int queued{};
     if (!lost_ && ::ioctl(fd_.get(), TIOCOUTQ, &queued) != 0) {
         lost_ = device_is_gone(errno);
         queued = 0;  // a driver that gives no count: the write decides
@@ -286,12 +284,11 @@ WriteStatus SerialPort::ask() {
 
 WriteStatus SerialPort::write_asked(std::span<const std::uint8_t> frame, FrameLife /*life*/) {
     const ssize_t taken = write_directly(fd_.get(), frame.data(), frame.size());
-    const int error = taken < 0 ? errno : 0;
-    if (taken < 0 && error == EINTR) {
+    if (taken == -1 && errno == EINTR) {
         // Not repeated: the time that it took is unknown.
         return WriteStatus::busy;
     }
-    if (taken < 0 && device_is_gone(error)) {
+    if (taken == -1 && device_is_gone(errno)) {
         lost_ = true;
         return WriteStatus::lost;
     }

@@ -28,7 +28,7 @@ std::uint32_t rate_at_divisor(std::uint32_t baud_base, std::uint64_t divisor) {
 }
 
 std::uint64_t difference(std::uint64_t a, std::uint64_t b) {
-    return a > b ? a - b : b - a;
+    return std::max(a, b) - std::min(a, b);
 }
 
 std::string percent_off(std::uint32_t actual, std::uint32_t asked) {

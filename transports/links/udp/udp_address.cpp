@@ -16,9 +16,10 @@ namespace {
 using WrongAddress = tl::unexpected<std::string>;
 
 tl::expected<std::uint16_t, std::string> parse_port(std::string_view text) {
-    std::uint16_t port = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-    const bool whole = error == std::errc() && end == text.data() + text.size();
+    std::uint16_t port{};
+    const char* const behind = text.data() + text.size();
+    const auto [end, error] = std::from_chars(text.data(), behind, port);
+    const bool whole = error == std::errc() && end == behind;
     if (whole && port != 0) {
         return port;
     }
@@ -81,7 +82,7 @@ tl::expected<UdpAddress, std::string> parse_udp_address(const std::string& text)
         return WrongAddress("the port is missing");
     }
     const auto port = parse_port(std::string_view(text).substr(colon + 1));
-    if (!port) {
+    if (!port.has_value()) {
         return WrongAddress(port.error());
     }
     const std::string host = text.substr(0, colon);
@@ -112,11 +113,9 @@ bool is_delivered(const UdpAddress& to, const UdpAddress& at) {
     const auto port = [](const UdpAddress& address) {
         return reinterpret_cast<const sockaddr_in*>(&address.storage)->sin_port;
     };
-    // A socket for all addresses of version 6 hears version 4 too.
-    const bool heard = to.storage.ss_family == at.storage.ss_family ||
-                       (at.storage.ss_family == AF_INET6 && is_for_all(at));
     const bool here = to.loopback || is_for_all(to);
-    return heard && port(to) == port(at) &&
+    // A socket of version 6 hears version 6 only (udp_link.cpp).
+    return to.storage.ss_family == at.storage.ss_family && port(to) == port(at) &&
            (is_same_host(to, at) || (here && is_for_all(at)) || (is_for_all(to) && at.loopback));
 }
 

@@ -105,7 +105,7 @@ bool UdpLink::receive() {
     from.size = sizeof from.storage;
     const ssize_t length = ::recvfrom(fd_.get(), datagram_.data(), datagram_.size(), MSG_TRUNC,
                                       reinterpret_cast<sockaddr*>(&from.storage), &from.size);
-    if (length < 0) {
+    if (length == -1) {
         return false;
     }
     const auto bytes = static_cast<std::size_t>(length);
@@ -148,11 +148,9 @@ WriteStatus UdpLink::write(std::span<const std::uint8_t> frame) {
 
 void UdpLink::discard_unread() {
     unread_ = {};
-    std::uint8_t byte = 0;
-    for (int i = 0; i < kMostDiscarded; ++i) {
-        if (::recv(fd_.get(), &byte, sizeof byte, MSG_TRUNC) < 0) {
-            return;
-        }
+    std::uint8_t byte{};
+    for (int i = 0; i < kMostDiscarded && ::recv(fd_.get(), &byte, sizeof byte, MSG_TRUNC) != -1;
+         ++i) {
     }
 }
 

@@ -67,7 +67,7 @@ bool reaches(const std::string& sent_to, const std::string& heard_at) {
 
 }  // namespace
 
-const Medium kUdpMedium{
+constinit const Medium kUdpMedium{
     .name = "UDP",
     .shape = WireShape::bytes,
     .place = {.key = "address",

@@ -15,7 +15,7 @@ std::vector<SettingMistake> check_name(const std::string& place, const SettingVa
 
 }  // namespace
 
-const Medium kUinputMedium{
+constinit const Medium kUinputMedium{
     .name = "a virtual joystick",
     .shape = WireShape::bytes,
     .only_own_protocols = true,

@@ -167,6 +167,188 @@ TEST_F(WatchdogTest, CountsOfAFreshDataThreadAreNotComparedWithThoseOfTheOldOne)
     EXPECT_EQ(go_on(20s), 10);
 }
 
+TEST_F(WatchdogTest, IsNotFedWithFiguresThatAreOlderThanASecond) {
+    EXPECT_TRUE(Watchdog(4s).look(now_, now_ - 1s, outputs_));
+    EXPECT_FALSE(Watchdog(4s).look(now_, now_ - 1s - 1ns, outputs_));
+}
+
+TEST_F(WatchdogTest, ADataThreadStandsIfItHasGivenNoSignForMoreThanASecond) {
+    published_ = now_;
+    for (int look = 0; look <= 5; ++look, now_ += 200ms) {
+        watchdog_.look(now_, published_, outputs_);
+        EXPECT_EQ(watchdog_.punctuality(), Punctuality::on_time) << look;
+    }
+    watchdog_.look(now_, published_, outputs_);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::data_thread_stands);
+}
+
+TEST_F(WatchdogTest, APartStandsIfItHasStoodForMoreThanASecond) {
+    go_on(2s);
+    standing_ = {.part = Standing::Part::link_thread, .port = 1};
+    go_on(1200ms);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::on_time);
+    go_on(200ms);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::part_stands);
+}
+
+TEST_F(WatchdogTest, AnotherPartThatStandsHasASecondOfItsOwn) {
+    go_on(2s);
+    for (std::size_t port = 0; port < 10; ++port) {
+        standing_ = {.part = Standing::Part::link_thread, .port = port};
+        go_on(800ms);
+        EXPECT_EQ(watchdog_.punctuality(), Punctuality::on_time);
+    }
+}
+
+TEST_F(WatchdogTest, AnOutputThatMissesExactlyHalfOfItsTurnsIsOnTime) {
+    go_on(200ms);
+    EXPECT_EQ(go_on(20s, true, 10), 10);
+}
+
+TEST_F(WatchdogTest, AnOutputIsLateOnceItHasMissedHalfOfItsTurnsTwiceInARow) {
+    go_on(2s);
+    go_on(200ms, true, 11);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::on_time);
+    go_on(200ms);
+    go_on(200ms, true, 11);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::on_time) << "not in a row";
+    go_on(200ms, true, 11);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::output_late);
+    go_on(200ms);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::on_time);
+}
+
+TEST_F(WatchdogTest, AnOutputOfALongPeriodIsLateByOneTurn) {
+    go_on(2s);
+    outputs_[1].period = 150ms;
+    go_on(200ms, true, 1);
+    go_on(200ms, true, 1);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::output_late);
+}
+
+TEST_F(WatchdogTest, TheFirstOutputThatIsLateIsNamed) {
+    published_ = now_;
+    outputs_[0].due = published_ - 11ms;
+    outputs_[1].due = published_ - 11ms;
+    watchdog_.look(now_, published_, outputs_);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::output_late);
+    EXPECT_EQ(watchdog_.late_output(), 0U);
+}
+
+TEST_F(WatchdogTest, AnOutputIsLateIfItsTurnIsMoreThanAPeriodAgo) {
+    published_ = now_;
+    outputs_[0].due = published_ + 3ms;
+    outputs_[1].due = published_ - 10ms;
+    watchdog_.look(now_, published_, outputs_);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::on_time);
+    outputs_[1].due = published_ - 10ms - 1ns;
+    watchdog_.look(now_ + 1ms, published_ + 1ns, outputs_);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::output_late);
+}
+
+TEST_F(WatchdogTest, AnOutputThatWasLateIsSoUntilTheDataThreadPublishesAgain) {
+    published_ = now_;
+    outputs_[0].due = published_ - 11ms;
+    watchdog_.look(now_, published_, outputs_);
+    outputs_[0].due = published_ + 3ms;
+    EXPECT_FALSE(watchdog_.look(now_ + 200ms, published_, outputs_));
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::output_late);
+    outputs_[0].due = outputs_[1].due = published_ + 403ms;
+    EXPECT_TRUE(watchdog_.look(now_ + 400ms, published_ + 400ms, outputs_));
+}
+
+TEST_F(WatchdogTest, HalfASecondBetweenTwoLooksIsNoStop) {
+    const auto look_twice_each = [&](Duration pause) {
+        for (int look = 0; look < 6; ++look) {
+            now_ += pause;
+            published_ = now_ - 50ms;
+            outputs_[0].due = outputs_[1].due = published_ + 3ms;
+            outputs_[1].overruns += 40;
+            watchdog_.look(now_, published_, outputs_);
+        }
+        return watchdog_.punctuality();
+    };
+    EXPECT_EQ(look_twice_each(500ms), Punctuality::output_late);
+    watchdog_.restart();
+    EXPECT_EQ(look_twice_each(500ms + 1ns), Punctuality::on_time);
+}
+
+/// What is published when the program goes on is the first that counts again.
+TEST_F(WatchdogTest, AnOutputThatIsLateAfterAStopIsFoundWithTheSecondPublication) {
+    go_on(2s);
+    now_ += 60s;
+    const auto look = [&](std::uint64_t missed) {
+        published_ = now_;
+        outputs_[0].due = outputs_[1].due = published_ + 3ms;
+        outputs_[1].overruns += missed;
+        watchdog_.look(now_, published_, outputs_);
+        now_ += 200ms;
+        return watchdog_.punctuality();
+    };
+    EXPECT_EQ(look(6000), Punctuality::on_time);
+    EXPECT_EQ(look(11), Punctuality::on_time);
+    EXPECT_EQ(look(11), Punctuality::output_late);
+}
+
+TEST_F(WatchdogTest, AfterARestartALongPauseIsNoStop) {
+    go_on(2s);
+    now_ += 60s;
+    watchdog_.restart();
+    go_on(200ms);
+    go_on(200ms, true, 11);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::on_time);
+    go_on(200ms, true, 11);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::output_late);
+}
+
+TEST_F(WatchdogTest, AFreshDataThreadHasASecondForItsFirstSign) {
+    go_on(10s);
+    go_on(3s, false);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::data_thread_stands);
+    watchdog_.restart();
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::on_time);
+    go_on(1200ms, false);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::on_time);
+    go_on(200ms, false);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::data_thread_stands);
+}
+
+TEST_F(WatchdogTest, AfterARestartAPartThatStandsHasASecondAgain) {
+    go_on(10s);
+    standing_ = {.part = Standing::Part::gpio_thread};
+    go_on(3s);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::part_stands);
+    watchdog_.restart();
+    EXPECT_EQ(watchdog_.standing(), Standing{});
+    go_on(1200ms);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::on_time);
+    go_on(200ms);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::part_stands);
+}
+
+TEST_F(WatchdogTest, AFreshDataThreadIsJudgedByItsFirstSign) {
+    published_ = now_;
+    outputs_[0].due = outputs_[1].due = published_ + 3ms;
+    watchdog_.look(now_, published_, outputs_);
+    watchdog_.restart();
+    outputs_[1].due = published_ - 11ms;
+    watchdog_.look(now_, published_, outputs_);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::output_late);
+}
+
+TEST_F(WatchdogTest, CountsOfMoreOutputsThanBeforeAreNotCompared) {
+    go_on(2s);
+    outputs_.resize(3, {.due = now_ + 100s, .period = 10ms, .overruns = 1000});
+    go_on(200ms);
+    outputs_[2].overruns += 1000;
+    go_on(200ms);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::on_time) << "missed once";
+    outputs_[2].overruns += 1000;
+    go_on(200ms);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::output_late);
+    EXPECT_EQ(watchdog_.late_output(), 2U);
+}
+
 TEST_F(WatchdogTest, OneWhoFeedsAllInputsHasNoOutputsToBeLate) {
     outputs_.clear();
     published_ = now_;

@@ -76,5 +76,12 @@ TEST(MapsOfAbsentChannels, AreNoneOfADroneCanInput) {
               Remarks{});
 }
 
+/// Channel 1 of the input may be absent, and channel 16 of its sender.
+TEST(MapsOfAbsentChannels, AreThoseOfChannelsThatTheMapOfTheInputMakesOfThem) {
+    EXPECT_EQ(remarks_on(main_job_with(3, "device = \"/dev/ttyA\"\nmap = { 1 = 16 }") +
+                         "[pipeline.main.channels]\n2 = { fixed = 1500 }\n3 = 1\n4 = 2\n"),
+              (Remarks{remark("4:13", 1, 16, "ibus"), remark("13:5", 3, 1, "ibus")}));
+}
+
 }  // namespace
 }  // namespace tribus::test::absent_channels_test

@@ -180,7 +180,7 @@ std::string udp_both_ways(std::string_view heard, std::string_view sent) {
 TEST(Warnings, AreAboutAUdpOutputThatItsOwnInputHears) {
     for (const auto& [heard, sent] :
          {std::pair("0.0.0.0:5501", "127.0.0.1:5501"), std::pair("127.0.0.1:5501", "0.0.0.0:5501"),
-          std::pair("[::]:5501", "127.0.0.1:5501")}) {
+          std::pair("[::]:5501", "[::1]:5501")}) {
         EXPECT_EQ(warnings_in(udp_both_ways(heard, sent)),
                   Lines{"t.toml:3:11: [input.u] hears at \"" + std::string(heard) +
                         "\" what [output.u] in line 7 sends to \"" + sent +
@@ -188,6 +188,8 @@ TEST(Warnings, AreAboutAUdpOutputThatItsOwnInputHears) {
     }
     EXPECT_EQ(warnings_in(udp_both_ways("0.0.0.0:5501", "127.0.0.1:5502")), Lines{});
     EXPECT_EQ(warnings_in(udp_both_ways("0.0.0.0:5501", "192.168.1.7:5501")), Lines{});
+    EXPECT_EQ(warnings_in(udp_both_ways("[::]:5501", "127.0.0.1:5501")), Lines{})
+        << "an input hears one version (docs/protocols/network.md)";
 }
 
 /// A folder with a DBC file.

@@ -2,8 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <set>
+#include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "config/read/value.h"
 #include "config/schema/notation.h"
@@ -109,6 +114,87 @@ TEST(KeyTable, ShapingAndSourceKeysAreChannelKeys) {
     for (const std::string_view name : channel_source_names()) {
         EXPECT_EQ(key_named(channel_keys(), name).name(), name);
     }
+}
+
+std::vector<std::string> names_of(std::span<const Key> keys) {
+    std::vector<std::string> names;
+    for (const Key& key : keys) {
+        names.emplace_back(key.name());
+    }
+    return names;
+}
+
+using Names = std::vector<std::string>;
+
+TEST(KeysOfAProtocol, AreThoseOfItsPlaceItsMediumAndItsOwn) {
+    const Protocol& sbus = *find_protocol("sbus");
+    const Protocol& can = *find_protocol("can");
+    const auto on = [](const Protocol& protocol, std::size_t medium, SettingScope way) {
+        return names_of(protocol_keys(protocol, *media_for(protocol).at(medium), way));
+    };
+    EXPECT_EQ(on(sbus, 0, SettingScope::input), (Names{"device", "baud", "scale", "inverted"}));
+    EXPECT_EQ(on(sbus, 1, SettingScope::input), (Names{"address", "public", "sender", "scale"}));
+    EXPECT_EQ(on(sbus, 1, SettingScope::output), (Names{"address", "public", "scale"}));
+    EXPECT_EQ(on(can, 0, SettingScope::input),
+              (Names{"interface", "id", "extended", "fd", "crc", "channels", "key", "old_key",
+                     "link", "epoch"}));
+    EXPECT_EQ(on(can, 0, SettingScope::output).at(1), "foreign_sender");
+}
+
+TEST(KeysOfAProtocol, RequireNoPlaceWhereThereAreSeveralMedia) {
+    const auto sbus = protocol_keys(*find_protocol("sbus"), SettingScope::input);
+    EXPECT_EQ(names_of(sbus),
+              (Names{"device", "address", "public", "sender", "baud", "scale", "inverted"}));
+    EXPECT_FALSE(sbus[0].setting.required);
+    EXPECT_FALSE(sbus[1].setting.required);
+    const auto can = protocol_keys(*find_protocol("can"), SettingScope::output);
+    EXPECT_EQ(names_of(can).at(0), "interface");
+    EXPECT_EQ(names_of(can).at(1), "foreign_sender");
+    EXPECT_TRUE(can[0].setting.required);
+}
+
+TEST(KeyTable, NamesTheProtocolsOfEachWay) {
+    Names all;
+    for (const Protocol* protocol : protocols()) {
+        all.emplace_back(protocol->name);
+    }
+    const auto names = protocol_names();
+    EXPECT_EQ(Names(names.begin(), names.end()), all);
+    for (const Protocol* protocol : protocols()) {
+        const auto in = protocol_names(SettingScope::input);
+        const auto out = protocol_names(SettingScope::output);
+        EXPECT_EQ(std::ranges::count(in, protocol->name), protocol->make_decoder != nullptr ? 1 : 0)
+            << protocol->name;
+        EXPECT_EQ(std::ranges::count(out, protocol->name),
+                  protocol->make_encoder != nullptr ? 1 : 0)
+            << protocol->name;
+    }
+}
+
+TEST(DefaultOfAKey, IsThatOfTheRowOrElseThatOfItsMember) {
+    EXPECT_EQ(default_of(key_named(runtime_keys(), "priority")), SettingValue(std::int64_t{80}));
+    EXPECT_EQ(default_of(key_named(runtime_keys(), "cpu")), std::nullopt);
+    EXPECT_EQ(
+        default_of(Key{.setting = {.key = "k", .type = SettingType::integer, .fallback = "5"}}),
+        SettingValue(std::int64_t{5}));
+    EXPECT_EQ(default_of(Key{.setting = {.key = "k", .type = SettingType::integer}}), std::nullopt);
+    Key key = key_named(runtime_keys(), "priority");
+    key.setting.required = true;
+    EXPECT_EQ(default_of(key), std::nullopt);
+    key.setting.required = false;
+    key.setting.absent = "as it is";
+    EXPECT_EQ(default_of(key), std::nullopt);
+    key.setting.fallback = "7";
+    EXPECT_EQ(default_of(key), SettingValue(std::int64_t{7}));
+}
+
+TEST(AllowedValues, AreWhatTheNamesOfFilesAndTablesMean) {
+    const auto allowed = [](SettingType type) {
+        return allowed_values({Setting{.key = "x", .type = type}});
+    };
+    EXPECT_EQ(allowed(SettingType::file), "the path of a text file");
+    EXPECT_EQ(allowed(SettingType::key_file), "the path of a key file");
+    EXPECT_EQ(allowed(SettingType::tree), "a table");
 }
 
 }  // namespace

@@ -127,5 +127,96 @@ TEST(Encoding, AByteOrderMarkOfUtf8IsAllowed) {
     EXPECT_EQ(mistakes_in("\xEF\xBB\xBF" + main_job()), Lines{});
 }
 
+/// The text as UTF-8, and the mistakes as "line:column: text".
+struct Decoded {
+    explicit Decoded(const std::string& bytes) {
+        Mistakes mistakes("f");
+        std::string converted;
+        const auto decoded = decoded_text(bytes, converted, mistakes);
+        text = std::string(decoded.value_or("nothing"));
+        is_copy = !converted.empty();
+        for (const Mistake& mistake : mistakes.sorted()) {
+            told.push_back(format_mistake(mistake).substr(2));
+        }
+    }
+    std::string text;
+    bool is_copy = false;
+    Lines told;
+};
+
+TEST(DecodedText, IsTheTextItselfWhereItIsRight) {
+    EXPECT_EQ(Decoded("a\n\u00e4\n").text, "a\n\u00e4\n");
+    EXPECT_FALSE(Decoded("a\n\u00e4\n").is_copy);
+    EXPECT_EQ(Decoded("").text, "");
+    EXPECT_EQ(Decoded("\xEF\xBB\xBF x").text, " x");
+    EXPECT_FALSE(Decoded("\xEF\xBB\xBF x").is_copy);
+    EXPECT_EQ(Decoded("a\r\nb\r\n").text, "a\r\nb\r\n");
+    EXPECT_EQ(Decoded("a\r\nb\r\n").told, Lines{});
+}
+
+TEST(DecodedText, HasOneEndForEachLine) {
+    const Decoded decoded("a\r\rb\r\nc\r\r\nd\r");
+    EXPECT_EQ(decoded.text, "a\n\nb\r\nc\r\nd\n");
+    EXPECT_EQ(decoded.told,
+              (Lines{"1:2: the line ends with CR alone (also in line 5); allowed: LF, or CR LF; "
+                     "save the file with Unix line ends, or convert it: tr '\\r' '\\n'",
+                     "4:2: the line ends with CR CR LF; allowed: LF, or CR LF; save the file with "
+                     "Unix line ends"}));
+}
+
+TEST(DecodedText, HasALetterForEachByteThatIsNotUtf8) {
+    const Decoded decoded("\u00e4\xE4\n \xF6\x80\n");
+    EXPECT_EQ(decoded.text, "\u00e4\u00e4\n \u00f6\u20ac\n");
+    EXPECT_EQ(decoded.told,
+              Lines{"1:2: byte 0xE4 is not UTF-8 (also in line 2); allowed: UTF-8. In Windows-1252 "
+                    "and ISO 8859-1 it is \u00e4: save the file in UTF-8, or convert it: iconv -f "
+                    "WINDOWS-1252 -t UTF-8"});
+}
+
+TEST(DecodedText, IsNoneWithAByteZero) {
+    const Decoded decoded(std::string("ab\nc\0d\0", 7));
+    EXPECT_EQ(decoded.text, "nothing");
+    EXPECT_EQ(decoded.told,
+              Lines{"2:2: a byte 0, which no text has; allowed: a text file in UTF-8"});
+}
+
+std::string encoding_of(const std::string& bytes) {
+    const auto told = Decoded(bytes).told;
+    const std::string begin = "1:1: the file is in ";
+    return told.size() == 1 && told[0].starts_with(begin)
+               ? told[0].substr(begin.size(), told[0].find(';') - begin.size())
+               : "";
+}
+
+TEST(DecodedText, IsNoneInAnEncodingWithSeveralBytesALetter) {
+    EXPECT_EQ(Decoded("\xFE\xFF").text, "nothing");
+    EXPECT_EQ(encoding_of("\xFE\xFF"), "UTF-16BE");
+    EXPECT_EQ(encoding_of("\xFF\xFE"), "UTF-16LE");
+    EXPECT_EQ(encoding_of(std::string("\xFF\xFE\0\0", 4)), "UTF-32LE");
+    EXPECT_EQ(encoding_of(std::string("\0\0\xFE\xFF", 4)), "UTF-32BE");
+}
+
+/// 16 bytes, of which so many are not as in UTF-16LE with ASCII letters.
+std::string sixteen_bytes(std::size_t others) {
+    std::string bytes = widened("abcdefgh", 0, 1);
+    for (std::size_t i = 0; i < others; ++i) {
+        bytes[2 * i + 1] = ' ';
+    }
+    return bytes;
+}
+
+TEST(DecodedText, MayHaveAnEighthOfOtherLettersInSuchAnEncoding) {
+    EXPECT_EQ(encoding_of(sixteen_bytes(2)), "UTF-16LE");
+    EXPECT_EQ(encoding_of(sixteen_bytes(3)), "");
+    EXPECT_EQ(encoding_of(sixteen_bytes(2) + "a"), "UTF-16LE") << "half a letter more";
+    EXPECT_EQ(encoding_of("a" + std::string(1, '\0')), "UTF-16LE");
+}
+
+TEST(DecodedText, IsJudgedByItsBegin) {
+    EXPECT_EQ(encoding_of(widened(std::string(128, 'a'), 0, 1) + std::string(300, 'a')),
+              "UTF-16LE");
+    EXPECT_EQ(encoding_of(std::string(256, 'a') + widened(std::string(300, 'a'), 0, 1)), "");
+}
+
 }  // namespace
 }  // namespace tribus::test::encoding_test

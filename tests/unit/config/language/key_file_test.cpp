@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -181,6 +182,69 @@ TEST_F(KeyFiles, AreOnlyForProtocolsWithSignatures) {
                                        ":13:1: \"key\" has no effect with protocol "
                                        "\"crsf-telemetry\", which has no signatures; leave it "
                                        "out"});
+}
+
+/// What stands for the secret of a file that must not be read.
+SecretKey stand_in(const std::string& name) {
+    Mistakes mistakes("t.toml");
+    forbid_secrets();
+    const auto file = read_key_file("key", {.where = {3, 7}, .content = name}, mistakes);
+    forbid_secrets(false);
+    EXPECT_TRUE(file) << name;
+    return file ? file->secret : SecretKey{};
+}
+
+TEST(StandInForAKey, IsMadeFromThePath) {
+    EXPECT_EQ(stand_in("a.key"), (SecretKey{1, 'a', '.', 'k', 'e', 'y'}));
+    EXPECT_EQ(stand_in("x/../a.key"), stand_in("a.key")) << "the same file";
+    SecretKey of_a_long_path{};
+    of_a_long_path.fill('b');
+    of_a_long_path[0] = 1;
+    of_a_long_path[1] = 64;  // 98 * 31 + 98
+    EXPECT_EQ(stand_in(std::string(32, 'b')), of_a_long_path);
+}
+
+TEST(StandInForAKey, DiffersWithEveryLetterOfThePath) {
+    const std::string path(70, 'b');
+    std::set<SecretKey> all{stand_in(path)};
+    for (std::size_t at = 0; at < path.size(); ++at) {
+        std::string other = path;
+        other[at] = 'c';
+        EXPECT_TRUE(all.insert(stand_in(other)).second) << at;
+    }
+}
+
+TEST(ForbiddenSecrets, AreAllowedAgainWhereThatIsSaid) {
+    EXPECT_FALSE(are_secrets_forbidden());
+    forbid_secrets();
+    EXPECT_TRUE(are_secrets_forbidden());
+    forbid_secrets(false);
+    EXPECT_FALSE(are_secrets_forbidden());
+}
+
+TEST_F(KeyFiles, AreReadByTheirPathAlone) {
+    write(kDigits);
+    EXPECT_EQ(read_secret(folder_ / "drone.key"), counted());
+    write("abc");
+    ASSERT_FALSE(read_secret(folder_ / "drone.key"));
+    EXPECT_EQ(read_secret(folder_ / "drone.key").error(), "it has 3 bytes that are no key");
+    EXPECT_EQ(read_secret(folder_ / "none.key").error(), "No such file or directory");
+}
+
+TEST_F(KeyFiles, EndWithOneEndOfLineAtMost) {
+    for (const std::string end : {"\n\n", "\r\r", "\n\r", " \n"}) {
+        write(kDigits + end);
+        EXPECT_EQ(read(), std::nullopt) << end;
+    }
+    write(kDigits + "\r");
+    EXPECT_EQ(read()->secret, counted());
+}
+
+TEST_F(KeyFiles, AreNotNamedByOtherValues) {
+    Mistakes mistakes("t.toml");
+    EXPECT_EQ(read_key_file("key", {.where = {3, 7}, .content = std::int64_t{5}}, mistakes),
+              std::nullopt);
+    EXPECT_EQ(mistakes.sorted().at(0).text, "\"key\" is 5: not the path of a file" + kAllowed);
 }
 
 }  // namespace

@@ -50,5 +50,20 @@ TEST(ProtocolWords, GiveTheNearestNameForOthers) {
     EXPECT_EQ(protocol_suggestion("elrs", allowed), R"(allowed: "ibus", "sbus")");
 }
 
+TEST(ProtocolWords, LeadToOneOrMoreProtocols) {
+    const Names allowed{"sbus", "fport", "fbus", "ibus", "ibus2"};
+    const std::string all = R"(? Allowed: "sbus", "fport", "fbus", "ibus", "ibus2")";
+    EXPECT_EQ(protocol_suggestion("futaba", allowed), R"(did you mean "sbus")" + all);
+    EXPECT_EQ(protocol_suggestion("flysky", allowed), R"(did you mean "ibus" or "ibus2")" + all);
+    EXPECT_EQ(protocol_suggestion("frsky", allowed),
+              R"(did you mean "sbus", "fport" or "fbus")" + all);
+}
+
+TEST(ProtocolWords, AreComparedBySmallLettersAndDigits) {
+    EXPECT_EQ(small_letters_and_digits("FS-iA6B! (\xE4) z9"), "fsia6bz9");
+    EXPECT_EQ(small_letters_and_digits("-"), "");
+    EXPECT_EQ(protocols_meant("i.Bus", Names{"sbus", "ibus"}), Names{"ibus"});
+}
+
 }  // namespace
 }  // namespace tribus::test::protocol_words_test

@@ -22,5 +22,12 @@ TEST(Paragraph, IsWhatStandsInFrontIfItHasNoText) {
     EXPECT_EQ(paragraph("> ", "  ", "", 10), "> \n");
 }
 
+TEST(Paragraph, CountsWhatStandsInFrontOfEachLine) {
+    EXPECT_EQ(paragraph("", "    ", "aa bb cc dd ee ff", 9), "aa bb cc\n    dd ee\n    ff\n");
+    EXPECT_EQ(paragraph("    ", "", "aa bb cc dd ee", 9), "    aa bb\ncc dd ee\n");
+    EXPECT_EQ(paragraph("12345678", "", "aa bb", 9), "12345678aa\nbb\n");
+    EXPECT_EQ(paragraph("", "", "aa bb cc dd ee ff", 5), "aa bb\ncc dd\nee ff\n");
+}
+
 }  // namespace
 }  // namespace tribus::paragraph_test

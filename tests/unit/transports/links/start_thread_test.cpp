@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
+#include <semaphore>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -66,6 +67,35 @@ TEST(StartThread, GivesOtherThreadsSuchAStackToo) {
                                                                                                : 1);
         },
         ::testing::ExitedWithCode(0), "");
+}
+
+/// What a thread says of itself. It may outlive its test.
+std::binary_semaphore has_said(0);
+int detach_state = -1;
+
+void* tell_whether_detached(void* /*none*/) {
+    pthread_attr_t attributes;
+    ::pthread_getattr_np(::pthread_self(), &attributes);
+    ::pthread_attr_getdetachstate(&attributes, &detach_state);
+    ::pthread_attr_destroy(&attributes);
+    has_said.release();
+    return nullptr;
+}
+
+TEST(StartThread, StartsThreadsThatAreJoinedUnlessToldOtherwise) {
+    pthread_t thread{};
+    ASSERT_EQ(start_thread(thread, kAsked, &tell_whether_detached, nullptr), 0);
+    has_said.acquire();
+    EXPECT_EQ(detach_state, PTHREAD_CREATE_JOINABLE);
+    ::pthread_join(thread, nullptr);
+}
+
+TEST(StartThread, StartsThreadsThatNobodyJoins) {
+    pthread_t thread{};
+    ASSERT_EQ(start_thread(thread, kAsked, &tell_whether_detached, nullptr, ThreadKind::detached),
+              0);
+    has_said.acquire();
+    EXPECT_EQ(detach_state, PTHREAD_CREATE_DETACHED);
 }
 
 TEST(StartThread, SaysThatAStackIsTooLarge) {

@@ -4,6 +4,7 @@
 #include <linux/can/error.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -61,6 +62,18 @@ TEST(CanWireTest, AClassicFrameTakes16BytesAndItsIdHasNoFlag) {
     EXPECT_EQ(wire.data[1], 0x22);
 }
 
+TEST(CanWireTest, WhatAClassicFrameDoesNotSayIsZero) {
+    canfd_frame wire;
+    std::memset(&wire, 0xAA, sizeof wire);
+    CanFrame frame;
+    frame.id = 0x124;
+    frame.length = 1;
+    frame.data[0] = 0x11;
+    to_wire(frame, wire);
+    const std::array<std::uint8_t, 16> expected{0x24, 0x01, 0, 0, 1, 0, 0, 0, 0x11};
+    EXPECT_EQ(std::memcmp(&wire, expected.data(), CAN_MTU), 0);
+}
+
 TEST(CanWireTest, AnExtendedFdFrameTakes72BytesWithItsFlags) {
     canfd_frame wire{};
     EXPECT_EQ(to_wire(fd_frame(), wire), 72U);
@@ -83,7 +96,15 @@ TEST(CanWireTest, FramesComeBackAsTheyWent) {
     remote.length = 4;
     CanFrame error_passive_sender = fd_frame();
     error_passive_sender.error_state_indicator = true;
-    for (const CanFrame& frame : {standard_frame(), fd_frame(), remote, error_passive_sender}) {
+    CanFrame slow_sender = error_passive_sender;
+    slow_sender.bit_rate_switch = false;
+    CanFrame plain_fd = fd_frame();
+    plain_fd.bit_rate_switch = false;
+    CanFrame extended_remote = remote;
+    extended_remote.id = 0x1FFFFFFF;
+    extended_remote.extended = true;
+    for (const CanFrame& frame : {standard_frame(), fd_frame(), remote, error_passive_sender,
+                                  slow_sender, plain_fd, extended_remote}) {
         canfd_frame wire{};
         const std::size_t size = to_wire(frame, wire);
         EXPECT_EQ(from_wire(wire, size), frame) << std::hex << frame.id;
@@ -146,6 +167,40 @@ TEST(CanWireTest, AMessageIsTheSameWhateverFlagsADriverGivesItBackWith) {
     EXPECT_FALSE(same_message(standard_frame(), other_world));
 }
 
+class DifferentMessage : public ::testing::TestWithParam<CanFrame> {};
+
+TEST_P(DifferentMessage, IsNotTheSame) {
+    EXPECT_FALSE(same_message(CanFrame{.id = 0x123}, GetParam()));
+    EXPECT_FALSE(same_message(GetParam(), CanFrame{.id = 0x123}));
+}
+
+/// Each differs in one thing. Bytes of a shorter message are 0 in the longer one.
+INSTANTIATE_TEST_SUITE_P(
+    Each, DifferentMessage,
+    testing::Values(CanFrame{.id = 0x124}, CanFrame{.id = 0x123, .extended = true},
+                    CanFrame{.id = 0x123, .remote = true}, CanFrame{.id = 0x123, .fd = true},
+                    CanFrame{.id = 0x123, .length = 1}, CanFrame{.id = 0x123, .length = 12}));
+
+TEST(CanWireTest, LongMessagesAreTheSameUpToTheirLength) {
+    CanFrame longer = fd_frame();
+    longer.length = 12;
+    CanFrame other = longer;
+    other.data[12] ^= 1U;
+    EXPECT_TRUE(same_message(longer, other));
+    other.data[11] ^= 1U;
+    EXPECT_FALSE(same_message(longer, other));
+}
+
+/// There are no remote frames of this kind.
+TEST(CanWireTest, NoFdFrameIsRemoteInEitherDirection) {
+    CanFrame frame = fd_frame();
+    frame.remote = true;
+    EXPECT_EQ(wire_of(frame).can_id, 0x9ABCDEF0U);
+    canfd_frame wire = wire_of(fd_frame());
+    wire.can_id |= CAN_RTR_FLAG;
+    EXPECT_EQ(from_wire(wire, CANFD_MTU), fd_frame());
+}
+
 TEST(CanWireTest, ErrorFramesSayWhatHappened) {
     const auto report = [](std::uint32_t classes, std::uint8_t controller = 0) {
         return error_report(error_frame(classes, controller)).value_or(CanErrorReport{});
@@ -176,7 +231,7 @@ TEST(CanWireTest, DataFramesAreNoErrorReports) {
 
 TEST(CanWireTest, SingleBusErrorsAreNotAskedForBecauseTheyCanFlood) {
     EXPECT_EQ(kWantedErrors & (CAN_ERR_BUSERROR | CAN_ERR_PROT | CAN_ERR_LOSTARB), 0U);
-    EXPECT_NE(kWantedErrors & CAN_ERR_BUSOFF, 0U);
+    EXPECT_EQ(kWantedErrors, 0x165U);
 }
 
 TEST(CanWireTest, FiltersTellStandardFromExtendedAndDataFromRemoteFrames) {
@@ -208,7 +263,10 @@ TEST(CanWireTest, FilterMasksKeepToTheIdsBits) {
 TEST(CanWireTest, EachFilterIsThereOnce) {
     const std::vector<CanIdMatch> wanted{
         {.id = 0x300, .mask = 0x7FF}, {.id = 0x300, .mask = 0x7FF}, {.id = 0x301, .mask = 0x7FF}};
-    EXPECT_EQ(kernel_filters(wanted).size(), 2U);
+    const auto filters = kernel_filters(wanted);
+    ASSERT_EQ(filters.size(), 2U);
+    EXPECT_EQ(filters[0].can_id, 0x300U);
+    EXPECT_EQ(filters[1].can_id, 0x301U);
 }
 
 // The system clock is at 1,000,000 s, the steady clock at 1 h.
@@ -230,6 +288,17 @@ TEST(PlausibleArrivalTest, WithAnOlderStampItIsAsOldAsItCanBe) {
 
 TEST(PlausibleArrivalTest, OlderStampsAreBelievedWhereReadingWasHeldUp) {
     EXPECT_EQ(plausible_arrival(kWall - 6s, kWall, kNow, kNow - 7s), (Arrival{kNow - 6s, true}));
+}
+
+TEST(PlausibleArrivalTest, AStampFromWhenReadingWasHeldUpCountsBackToThatInstant) {
+    EXPECT_EQ(plausible_arrival(kWall - 7s, kWall, kNow, kNow - 7s), (Arrival{kNow - 7s, true}));
+    EXPECT_EQ(plausible_arrival(kWall - 7s - 1ns, kWall, kNow, kNow - 7s),
+              (Arrival{kNow - 7s, false}));
+}
+
+TEST(PlausibleArrivalTest, AStampIsBelievedUpToATenthOfASecondInTheFuture) {
+    EXPECT_EQ(plausible_arrival(kWall + 100ms, kWall, kNow, kRead), (Arrival{kNow, true}));
+    EXPECT_EQ(plausible_arrival(kWall + 101ms, kWall, kNow, kRead), (Arrival{kRead, false}));
 }
 
 TEST(PlausibleArrivalTest, AFrameThatCameAfterTheClockWasReadArrivesNow) {

@@ -54,6 +54,72 @@ TEST(EvdevState, ScalesEveryAxisFromEndToEnd) {
     EXPECT_EQ(position(report(narrow), 0), 32767) << "beyond its own range";
 }
 
+TEST(EvdevState, PutsTheEndsOfAnAxisWhereTheyBelongExactly) {
+    EvdevState state = with_axis(-100, 100);
+    for (const auto& [value, wanted] : {std::pair(-100, -32767), std::pair(-1000, -32767),
+                                        std::pair(0, 0), std::pair(100, 32767)}) {
+        state.take(event(EV_ABS, ABS_X, value));
+        EXPECT_EQ(position(report(state), 0), wanted) << value;
+    }
+    EvdevState positive = with_axis(100, 200);
+    positive.take(event(EV_ABS, ABS_X, 150));
+    EXPECT_EQ(position(report(positive), 0), 0);
+}
+
+TEST(EvdevState, HasNoAxisWithoutARange) {
+    EvdevState state = with_axis(5, 5);
+    EXPECT_EQ(report(state), (Report{0x67, 2, 0, 0}));
+}
+
+TEST(EvdevState, BeginsWithAChange) {
+    EvdevState state;
+    EXPECT_EQ(report(state), (Report{0x67, 2, 0, 0}));
+    EXPECT_EQ(report(state), (Report{0x67, 0, 0, 0}));
+}
+
+TEST(EvdevState, IgnoresAnAxisThatTheDeviceDoesNotHave) {
+    EvdevState state;
+    input_absinfo range{};
+    range.maximum = 10;
+    state.add_axis(ABS_Y, range);
+    report(state);
+    state.take(event(EV_ABS, ABS_X, 5));
+    EXPECT_EQ(report(state), (Report{0x67, 0, 1, 0, ABS_Y, 0x01, 0x80}));
+}
+
+TEST(EvdevState, HasTheButtonsFromTheFirstToTheLastCodeAndNoKeys) {
+    EvdevState state;
+    report(state);
+    for (const int code : {KEY_A, BTN_MISC - 1, KEY_CNT}) {
+        state.take(event(EV_KEY, static_cast<std::uint16_t>(code), 1));
+    }
+    EXPECT_EQ(report(state), (Report{0x67, 0, 0, 0}));
+    state.take(event(EV_KEY, BTN_MISC, 1));
+    EXPECT_EQ(report(state), (Report{0x67, 2, 0, 1, 0x00, 0x01}));
+    state.take(event(EV_KEY, BTN_MISC, 0));
+    state.take(event(EV_KEY, KEY_CNT - 1, 1));
+    EXPECT_EQ(report(state), (Report{0x67, 2, 0, 1, 0xFF, 0x02}));
+}
+
+/// The numbers of SYN_REPORT and SYN_DROPPED, 0 and 3, are those of axes too.
+TEST(EvdevState, TellsSynchronisationFromAxesAndOtherEvents) {
+    EvdevState state = with_axis(-100, 100);
+    input_absinfo range{};
+    range.minimum = -100;
+    range.maximum = 100;
+    state.add_axis(ABS_RX, range);
+    report(state);
+    EXPECT_EQ(state.take(event(EV_ABS, ABS_RX, 100)), EvdevState::Outcome::none);
+    EXPECT_EQ(state.take(event(EV_ABS, ABS_X, 100)), EvdevState::Outcome::none);
+    EXPECT_EQ(state.take(event(EV_SYN, SYN_MT_REPORT, 0)), EvdevState::Outcome::none);
+    EXPECT_EQ(state.take(event(EV_REL, ABS_X, -100)), EvdevState::Outcome::none);
+    EXPECT_EQ(state.take(event(EV_MSC, BTN_SOUTH, 1)), EvdevState::Outcome::none);
+    EXPECT_EQ(state.take(event(EV_SYN, SYN_REPORT, 0)), EvdevState::Outcome::complete);
+    EXPECT_EQ(report(state), (Report{0x67, 2, 2, 0,      //
+                                     ABS_X, 0xFF, 0x7F,  //
+                                     ABS_RX, 0xFF, 0x7F}));
+}
+
 TEST(EvdevState, WritesAxesAndPressedButtonsByTheirCodes) {
     EvdevState state = with_axis(-1, 1);
     input_absinfo hat{};

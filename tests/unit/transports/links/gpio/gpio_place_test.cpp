@@ -62,6 +62,18 @@ TEST(GpioPlaceTest, TakesTheNamesThatBoardsGive) {
     }
 }
 
+TEST(GpioPlaceTest, IsAnOffsetOfAnyDigits) {
+    EXPECT_EQ(parse_gpio_place("gpiochip0:0"), (GpioPlace{"gpiochip0", 0U}));
+    EXPECT_EQ(parse_gpio_place("gpiochip0:109"), (GpioPlace{"gpiochip0", 109U}));
+    EXPECT_EQ(parse_gpio_place("gpiochip0:1/"), (GpioPlace{"gpiochip0", "1/"}));
+    EXPECT_EQ(parse_gpio_place("gpiochip0:1:"), (GpioPlace{"gpiochip0", "1:"}));
+}
+
+TEST(GpioPlaceTest, EndsWithItsText) {
+    EXPECT_EQ(parse_gpio_place(std::string_view("gpiochip0:1799").substr(0, 12)),
+              (GpioPlace{"gpiochip0", 17U}));
+}
+
 TEST(GpioPlaceTest, ReadsBackWhatItPrints) {
     for (const std::string_view text :
          {"GPIO17", "gpiochip0:17", "gpiochip0:GPIO17", "/dev/gpiochip0:0"}) {

@@ -85,6 +85,20 @@ TEST(GpioSearchTest, OffersTheNamesThatBeginMostAlikeFirst) {
         "gpiod) shows");
 }
 
+TEST(GpioSearchTest, NamesSixLinesWithoutSayingThatThereAreMore) {
+    EXPECT_EQ(error_of({"", "X"}, {chip("/dev/gpiochip0", {"A", "B", "C", "D", "E", "F"})}),
+              "no line of gpiochip0 has the name \"X\"; the names are: \"A\", \"B\", \"C\", "
+              "\"D\", \"E\", \"F\"");
+}
+
+TEST(GpioSearchTest, TellsOfTheFirstOfChipsThatAreAllUnknown) {
+    const std::vector<GpioChip> chips{{"/dev/gpiochip0", ENODEV, {}},
+                                      {"/dev/gpiochip1", EPERM, {}}};
+    EXPECT_EQ(error_of({"", "LAMP"}, chips), "gpiochip0, gpiochip1: it has just been removed");
+    EXPECT_EQ(error_of({"gpiochip0", 1U}, {{"/dev/gpiochip0", ENOMEM, {}}}),
+              "the kernel does not describe its lines: Cannot allocate memory");
+}
+
 TEST(GpioSearchTest, SaysThatNoLineHasAName) {
     EXPECT_EQ(error_of({"", "LAMP"}, {chip("/dev/gpiochip3", {"", ""})}),
               "no line of gpiochip3 has the name \"LAMP\"; no line has a name: give chip and "
@@ -95,6 +109,11 @@ TEST(GpioSearchTest, SaysWhereANameIsThereTwice) {
     EXPECT_EQ(error_of({"", "A"},
                        {chip("/dev/gpiochip0", {"A", "B", "A"}), chip("/dev/gpiochip1", {"A"})}),
               "3 lines have this name; give one of gpiochip0:0, gpiochip0:2, gpiochip1:0");
+}
+
+TEST(GpioSearchTest, SaysWhichTwoLinesHaveAName) {
+    EXPECT_EQ(error_of({"", "A"}, {chip("/dev/gpiochip0", {"B", "A", "A"})}),
+              "2 lines have this name; give one of gpiochip0:1, gpiochip0:2");
 }
 
 TEST(GpioSearchTest, SaysHowToGetThePermission) {
@@ -142,6 +161,10 @@ constexpr std::string_view kInUseByNobodyKnown =
     "it is in use, the kernel does not say by what: another program, a driver, or another "
     "function of this pin (UART, SPI, ...); free it, or use another line";
 
+constexpr std::string_view kKernelLacksIt =
+    "the kernel lacks the GPIO interface that this program is built for: version 2 of libgpiod "
+    "needs Linux 5.10 or newer, version 1 needs CONFIG_GPIO_CDEV_V1";
+
 // 524 is ENOTSUPP of the kernel's include/linux/errno.h.
 INSTANTIATE_TEST_SUITE_P(
     Errors, GpioRefusalTest,
@@ -166,7 +189,28 @@ INSTANTIATE_TEST_SUITE_P(
                 GpioBias::as_is,
                 "its chip does not report changes of this line (it has no interrupt), or is gone; "
                 "use a line of another chip"},
+        Refusal{ENODEV,
+                {},
+                GpioUse::input,
+                GpioBias::as_is,
+                "its chip does not report changes of this line (it has no interrupt), or is gone; "
+                "use a line of another chip"},
         Refusal{ENODEV, {}, GpioUse::output, GpioBias::as_is, "it has just been removed"},
+        Refusal{ENXIO, {}, GpioUse::output, GpioBias::as_is, "it has just been removed"},
+        Refusal{ENOENT, {}, GpioUse::input, GpioBias::as_is, "it has just been removed"},
+        Refusal{EINVAL, {}, GpioUse::input, GpioBias::as_is, kKernelLacksIt},
+        Refusal{EPERM,
+                {},
+                GpioUse::input,
+                GpioBias::pull_up,
+                "this program may not open any GPIO chip, not even as root; does its service's "
+                "unit lack `DeviceAllow=char-gpiochip rw`?"},
+        Refusal{EINVAL, {"", true, ""}, GpioUse::input, GpioBias::pull_up, kInUseByNobodyKnown},
+        Refusal{EOPNOTSUPP,
+                {},
+                GpioUse::output,
+                GpioBias::as_is,
+                "its chip cannot make an output of this line, or does not answer; use another"},
         Refusal{524,
                 {},
                 GpioUse::output,

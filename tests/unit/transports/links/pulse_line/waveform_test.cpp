@@ -50,6 +50,35 @@ TEST(Waveform, EndsWithThePauseBehindTheLastEdge) {
     EXPECT_EQ(ups_of(waveform), (Ups{{0, 300}, {1500, 1800}}));
 }
 
+TEST(Waveform, HasAsManyBytesAsItsBitsNeed) {
+    const auto bytes_of = [](double last) {
+        Waveform waveform;
+        EXPECT_TRUE(draw_pulses(ppm_frame({last}), 1, waveform));
+        return waveform.bytes;
+    };
+    EXPECT_EQ(bytes_of(1004), 463U) << "3704 bits";
+    EXPECT_EQ(bytes_of(1005), 464U) << "3705 bits";
+    EXPECT_EQ(bytes_of(1012), 464U) << "3712 bits";
+}
+
+TEST(Waveform, HasRoomForExactly32768Bits) {
+    const auto fits = [](std::uint32_t eighths) {
+        Bytes records = edge_record(Edge::seen, 0);
+        append(records, edge_record(Edge::seen, eighths));
+        Waveform waveform;
+        return draw_pulses(records, 1, waveform);
+    };
+    EXPECT_TRUE(fits(32468 * 8));
+    EXPECT_FALSE(fits(32468 * 8 + 1));
+}
+
+TEST(Waveform, IsEmptyWhereItCouldNotBeDrawn) {
+    Waveform waveform;
+    ASSERT_TRUE(draw_pulses(ppm_frame({1500}), 1, waveform));
+    EXPECT_FALSE(draw_pulses(Bytes{1, 2, 3, 4, 5}, 1, waveform));
+    EXPECT_EQ(waveform.bytes, 0U);
+}
+
 TEST(Waveform, RoundsEachEdgeAndNotEachDistance) {
     EXPECT_EQ(drawn(ppm_frame({1000.375, 1000.375, 1000.375, 1000.375})),
               (Ups{{0, 300}, {1000, 1300}, {2001, 2301}, {3001, 3301}, {4002, 4302}}));

@@ -91,6 +91,30 @@ TEST(UartRateTest, APc16550IsRefusedFor200000) {
     ASSERT_TRUE(refusal.has_value());
     EXPECT_PRED_FORMAT2(IsSubstring, "runs at 115200, 42.4 % off", *refusal);
     EXPECT_PRED_FORMAT2(IsSubstring, "cannot go faster", *refusal);
+    EXPECT_PRED_FORMAT2(IsSubstring, "ttyAMA) does 100000 and 200000 baud", *refusal);
+}
+
+TEST(UartRateTest, TheFirstTtySIsJudgedByItsBaseToo) {
+    PortFacts facts = port(4, kTtyS0Minor, 100000);
+    facts.driver = SerialDriverFacts{.type = k16550A, .baud_base = 115200};
+    EXPECT_EQ(wire_baud(facts), 115200U);
+}
+
+TEST(UartRateTest, ABaseOf0IsNoneAndABaseOf1IsOne) {
+    EXPECT_EQ(wire_baud(port_16550(0, 100000)), 100000U);
+    EXPECT_EQ(wire_baud(port_16550(1, 100000)), 1U);
+}
+
+TEST(UartRateTest, SaysHowFarARateIsOffInTenthsOfAPercent) {
+    const auto refusal_of = [](std::uint32_t reported) {
+        PortFacts facts = usb_adapter(100000);
+        facts.reported_baud = reported;
+        return port_refusal(facts).value_or("");
+    };
+    EXPECT_PRED_FORMAT2(IsSubstring, ", 15.2 % off", refusal_of(115249));
+    EXPECT_PRED_FORMAT2(IsSubstring, ", 15.3 % off", refusal_of(115250));
+    EXPECT_PRED_FORMAT2(IsSubstring, ", 100.1 % off", refusal_of(200100));
+    EXPECT_PRED_FORMAT2(IsSubstring, ", 90.0 % off", refusal_of(10000));
 }
 
 TEST(UartRateTest, APc16550Serves115200) {
@@ -179,6 +203,8 @@ TEST(UartRateTest, AnAdapterThatReportsAnotherRateIsRefused) {
     ASSERT_TRUE(refusal.has_value());
     EXPECT_PRED_FORMAT2(IsSubstring, "runs at 115200, 15.2 % off", *refusal);
     EXPECT_PRED_FORMAT2(IsSubstring, "a CP2102", *refusal);
+    EXPECT_PRED_FORMAT2(IsSubstring, "; that is the nearest rate that its driver can set; ",
+                        *refusal);
 }
 
 TEST(UartRateTest, TheLimitIsOneAndAHalfPercentEitherWay) {

@@ -42,10 +42,68 @@ TEST(MemoryLinkTest, HasNothingWhenAllIsRead) {
     EXPECT_EQ(reception.count, 0U);
 }
 
+TEST(MemoryLinkTest, HasNothingAtFirst) {
+    MemoryLink link;
+    Reception reception;
+    reception.count = 9;
+    reception.full = true;
+    reception.damaged.set();
+    EXPECT_EQ(link.read(reception), ReadStatus::nothing);
+    EXPECT_EQ(reception.count, 0U);
+    EXPECT_FALSE(reception.full || reception.damaged.any());
+    EXPECT_TRUE(link.written().empty());
+    EXPECT_EQ(link.frames_written(), 0U);
+}
+
+TEST(MemoryLinkTest, GivesASingleByte) {
+    MemoryLink link;
+    EXPECT_EQ(link.send(Bytes{0x20}), 1U);
+    Reception reception;
+    EXPECT_EQ(link.read(reception), ReadStatus::received);
+    EXPECT_EQ(bytes_of(reception.view()), Bytes{0x20});
+}
+
+TEST(MemoryLinkTest, SaysThatAFullReadMayLeaveMore) {
+    MemoryLink link;
+    Reception reception;
+    link.send(Bytes(kBytesPerRead));
+    link.read(reception);
+    EXPECT_TRUE(reception.full);
+    link.send(Bytes(kBytesPerRead - 1));
+    link.read(reception);
+    EXPECT_FALSE(reception.full);
+}
+
+TEST(MemoryLinkTest, DiscardsWhatWaits) {
+    MemoryLink link;
+    link.send(Bytes{1, 2});
+    link.discard_unread();
+    Reception reception;
+    EXPECT_EQ(link.read(reception), ReadStatus::nothing);
+    link.send(Bytes{3});
+    link.read(reception);
+    EXPECT_EQ(bytes_of(reception.view()), Bytes{3});
+}
+
+/// What a link is unless it says otherwise.
+TEST(MemoryLinkTest, HasNoDescriptorAndNoThread) {
+    MemoryLink link;
+    EXPECT_EQ(link.descriptor(), -1);
+    EXPECT_EQ(link.second_descriptor(), -1);
+    EXPECT_FALSE(link.wakes_at_each_arrival());
+    EXPECT_FALSE(link.stands(Instant::max()));
+    EXPECT_TRUE(link.has_unread());
+    EXPECT_EQ(link.ask(), WriteStatus::written);
+    EXPECT_EQ(link.write_asked(Bytes{1}, {}), WriteStatus::written);
+    EXPECT_EQ(bytes_of(link.written()), Bytes{1});
+    EXPECT_EQ(link.as_bytes(), &link);
+    EXPECT_EQ(link.as_can(), nullptr);
+}
+
 TEST(MemoryLinkTest, MarksTheDamagedByteOnly) {
     MemoryLink link;
     link.send(Bytes{1});
-    link.send_damaged(2);
+    EXPECT_TRUE(link.send_damaged(2));
     link.send(Bytes{3});
     Reception reception;
     link.read(reception);
@@ -113,9 +171,12 @@ TEST(MemoryLinkTest, ShowsWhatWasWrittenUntilItIsCleared) {
 
 TEST(MemoryLinkTest, RefusesAFrameThatDoesNotFitAsAWhole) {
     MemoryLink link;
-    link.write(Bytes(MemoryLink::kCapacity - 1));
+    EXPECT_EQ(link.write(Bytes(MemoryLink::kCapacity - 1)), WriteStatus::written);
     EXPECT_EQ(link.write(Bytes(2)), WriteStatus::busy);
     EXPECT_EQ(link.written().size(), MemoryLink::kCapacity - 1);
+    EXPECT_EQ(link.frames_written(), 1U);
+    EXPECT_EQ(link.write(Bytes(1)), WriteStatus::written);
+    EXPECT_EQ(link.write(Bytes(1)), WriteStatus::busy);
 }
 
 TEST(MemoryLinkTest, RefusesEveryFrameWhileBusy) {
@@ -132,13 +193,24 @@ TEST(MemoryLinkTest, IsLostBothWaysAndTakesUnreadBytesWithIt) {
     link.send(Bytes{1});
     link.set_lost(true);
     Reception reception;
+    reception.full = true;
     EXPECT_EQ(link.read(reception), ReadStatus::lost);
     EXPECT_EQ(reception.count, 0U);
+    EXPECT_FALSE(reception.full);
     EXPECT_EQ(link.write(Bytes{1}), WriteStatus::lost);
     EXPECT_EQ(link.send(Bytes{2}), 0U);
+    EXPECT_FALSE(link.send_damaged(2));
     link.set_lost(false);
     EXPECT_EQ(link.read(reception), ReadStatus::nothing);
     EXPECT_EQ(link.write(Bytes{1}), WriteStatus::written);
+}
+
+TEST(MemoryLinkTest, KeepsUnreadBytesWhileItIsThere) {
+    MemoryLink link;
+    link.send(Bytes{1});
+    link.set_lost(false);
+    Reception reception;
+    EXPECT_EQ(link.read(reception), ReadStatus::received);
 }
 
 }  // namespace

@@ -229,9 +229,10 @@ TEST(UdpAddress, IsAnAddressInDigitsWithAPort) {
     for (const char* good : {"127.0.0.1:1", "0.0.0.0:65535", "[::1]:5501", "[fe80::1]:7"}) {
         EXPECT_TRUE(parse_udp_address(good)) << good;
     }
-    for (const char* bad : {"", ":", "127.0.0.1", "127.0.0.1:", "127.0.0.1:0", "127.0.0.1:65536",
-                            "127.0.0.1:5x", "127.0.0.1:-1", "localhost:5501", "::1:5501", "[::1]",
-                            "[::1:5501", "127.0.0.1 :5501", "1.2.3:4", "[]:1"}) {
+    for (const char* bad :
+         {"", ":", "127.0.0.1", "127.0.0.1:", "127.0.0.1:0", "127.0.0.1:65536", "127.0.0.1:5x",
+          "127.0.0.1:-1", "localhost:5501", "::1:5501", "[::1]", "[::1:5501", "127.0.0.1 :5501",
+          "1.2.3:4", "[]:1", "[::1x:5501", "x::1]:5501"}) {
         EXPECT_FALSE(parse_udp_address(bad)) << bad;
     }
 }
@@ -243,6 +244,9 @@ TEST(UdpAddress, SaysWhatIsWrong) {
         {"127.0.0.1:-1", "port -1 is out of range"},
         {"127.0.0.1:99999999999", "port 99999999999 is out of range"},
         {"127.0.0.1:5x", "port 5x is not a number"},
+        {"127.0.0.1:x5", "port x5 is not a number"},
+        {"127.0.0.1:-x1", "port -x1 is not a number"},
+        {"::1", "an address of IP version 6 stands in brackets"},
         {"127.0.0.1", "the port is missing"},
         {"127.0.0.1:", "the port is missing"},
         {"[::1]", "the port is missing"},

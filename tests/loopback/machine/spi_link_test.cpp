@@ -1,0 +1,272 @@
+#include "transports/links/pulse_line/spi_link.h"
+
+#include <linux/spi/spidev.h>
+#include <sys/ioctl.h>
+
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <semaphore>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "pipelines/realtime/clock.h"
+#include "tests/support/device_stand_in.h"
+#include "tests/support/edges.h"
+#include "tests/support/fewer_descriptors.h"
+#include "tests/support/seen_within.h"
+#include "transports/links/pulse_line/pulse_line_medium.h"
+
+/// The link that makes pulses with an SPI port, with a stand-in for spidev.
+namespace tribus::test::spi_link_test {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr const char* kDevice = "/dev/spidev9.9";
+
+/// The device node of an SPI port (linux/spi/spidev.h, drivers/spi/spidev.c): requests that set
+/// something return 0, a write the bytes that were sent. It returns when they are, ESHUTDOWN where
+/// the controller is gone.
+class SpiPort : public DeviceStandIn {
+  public:
+    SpiPort() : DeviceStandIn(kDevice) {}
+
+    Answer open() override { return opening; }
+
+    Answer control(unsigned long request, void* argument) override {
+        switch (request) {
+            case SPI_IOC_WR_MODE:
+                mode = *static_cast<std::uint8_t*>(argument);
+                return 0;
+            case SPI_IOC_WR_BITS_PER_WORD:
+                bits = *static_cast<std::uint8_t*>(argument);
+                return 0;
+            case SPI_IOC_WR_MAX_SPEED_HZ:
+                speed = *static_cast<std::uint32_t*>(argument);
+                return 0;
+            default:
+                return -ENOTTY;
+        }
+    }
+
+    Answer write(std::span<const std::uint8_t> bytes) override {
+        ++begun;
+        if (keeps) {
+            let_go.acquire();
+        }
+        const std::scoped_lock lock(mutex);
+        sent.emplace_back(bytes.begin(), bytes.end());
+        return failure != 0 ? -failure : static_cast<long>(bytes.size()) - missing;
+    }
+
+    std::vector<Bytes> all_sent() {
+        const std::scoped_lock lock(mutex);
+        return sent;
+    }
+
+    Answer opening{};
+    int mode = -1;
+    int bits = -1;
+    std::uint32_t speed = 0;
+    std::atomic<int> failure = 0;
+    std::atomic<int> missing = 0;
+    std::atomic<bool> keeps = false;
+    std::atomic<int> begun = 0;
+    std::counting_semaphore<> let_go{0};
+
+  private:
+    std::mutex mutex;
+    std::vector<Bytes> sent;
+};
+
+std::unique_ptr<SpiLink> opened(double calibration = 1) {
+    auto link = SpiLink::open(kDevice, calibration, {.now = monotonic_now});
+    EXPECT_TRUE(link.has_value()) << (link ? "" : link.error());
+    return link ? std::move(*link) : nullptr;
+}
+
+std::string refusal() {
+    const auto link = SpiLink::open(kDevice, 1, {.now = monotonic_now});
+    return link ? "it opened" : link.error();
+}
+
+FrameLife long_lived() {
+    return {.made = monotonic_now(), .valid_for = 60s};
+}
+
+/// Bits that are 1 from each first up to the second, as bytes with the highest bit first.
+Bytes bits(std::size_t bytes, const std::vector<std::pair<std::size_t, std::size_t>>& ups) {
+    Bytes all(bytes);
+    for (const auto& [begin, end] : ups) {
+        for (std::size_t bit = begin; bit < end; ++bit) {
+            all.at(bit / 8) |= static_cast<std::uint8_t>(0x80 >> bit % 8);
+        }
+    }
+    return all;
+}
+
+/// Pulses at 0 and 1000 us, and the pause of 2700 us.
+Bytes frame() {
+    return ppm_frame({1000});
+}
+
+TEST(SpiLink, SendsEightBitsAt1MegahertzInMode0) {
+    const SpiPort port;
+    const auto link = opened();
+    EXPECT_EQ(port.mode, SPI_MODE_0);
+    EXPECT_EQ(port.bits, 8);
+    EXPECT_EQ(port.speed, 1'000'000U);
+}
+
+TEST(SpiLink, SaysWhatIsInItsWay) {
+    SpiPort port;
+    port.opening = -EACCES;
+    EXPECT_TRUE(refusal().starts_with(std::string(kDevice) + ": this user may not use it"));
+    port.opening = -ENOENT;
+    EXPECT_TRUE(refusal().starts_with(std::string(kDevice) + ": there is no such device"));
+    EXPECT_TRUE(port.asked.empty());
+}
+
+TEST(SpiLink, RefusesAPortThatRefusesAnyOfItsSettings) {
+    for (const unsigned long request :
+         {SPI_IOC_WR_MODE, SPI_IOC_WR_BITS_PER_WORD, SPI_IOC_WR_MAX_SPEED_HZ}) {
+        SpiPort port;
+        port.refused = {{request, EINVAL}};
+        EXPECT_EQ(refusal(), std::string(kDevice) +
+                                 ": this is no SPI port that sends 8 bits at 1 "
+                                 "MHz; give one such as /dev/spidev0.0");
+    }
+}
+
+TEST(SpiLink, SaysThatThereIsNoDescriptorLeftForItsThread) {
+    const SpiPort port;
+    const FewerDescriptors fewer(1);
+    EXPECT_EQ(refusal(), std::string(kDevice) + ": Too many open files");
+}
+
+TEST(SpiLink, DrawsAFrameAsBits) {
+    SpiPort port;
+    const auto link = opened();
+    EXPECT_EQ(link->write(frame()), WriteStatus::written);
+    ASSERT_TRUE(seen_within([&] { return port.all_sent().size() == 1; }));
+    EXPECT_EQ(port.all_sent()[0], bits(463, {{0, 300}, {1000, 1300}}));
+}
+
+TEST(SpiLink, IsCalibratedAsTheConfigurationSays) {
+    SpiPort port;
+    const auto sent_with = [&](const SettingValues& settings) {
+        auto link = kPulseLineMedium.open(kDevice,
+                                          {.settings = settings, .worker = {.now = monotonic_now}});
+        EXPECT_TRUE(link.has_value()) << link.error();
+        const std::size_t before = port.all_sent().size();
+        (*link)->as_bytes()->write_asked(frame(), long_lived());
+        EXPECT_TRUE(seen_within([&] { return port.all_sent().size() > before; }));
+        return port.all_sent().back();
+    };
+    EXPECT_EQ(sent_with({}), bits(463, {{0, 300}, {1000, 1300}}));
+    SettingValues fast;
+    fast.set("calibration", 1.02);
+    EXPECT_EQ(sent_with(fast), bits(472, {{0, 306}, {1020, 1326}}));
+}
+
+TEST(SpiLink, TakesFramesOfAtMost96Bytes) {
+    SpiPort port;
+    const auto link = opened();
+    Bytes longest = frame();
+    longest.resize(96);
+    for (std::size_t record = 15; record < 95; record += 5) {
+        const Bytes quiet = edge_record(Edge::quiet, 0);
+        std::copy(quiet.begin(), quiet.end(),
+                  longest.begin() + static_cast<std::ptrdiff_t>(record));
+    }
+    Bytes longer = longest;
+    longer.push_back(0);
+    EXPECT_EQ(link->write_asked(longer, long_lived()), WriteStatus::unavailable);
+    EXPECT_EQ(link->write_asked(longest, long_lived()), WriteStatus::written);
+    ASSERT_TRUE(seen_within([&] { return port.all_sent().size() == 1; }));
+    EXPECT_EQ(port.all_sent()[0], bits(463, {{0, 300}, {1000, 1300}}));
+}
+
+TEST(SpiLink, TellsWhatBecameOfTheFrameBefore) {
+    for (const auto& [failure, status] :
+         {std::pair(ENODEV, WriteStatus::lost), std::pair(ENXIO, WriteStatus::lost),
+          std::pair(ESHUTDOWN, WriteStatus::lost), std::pair(EIO, WriteStatus::unavailable),
+          std::pair(EMSGSIZE, WriteStatus::unavailable)}) {
+        SpiPort port;
+        const auto link = opened();
+        port.failure = failure;
+        EXPECT_TRUE(seen_within([&] { return link->write(frame()) == status; })) << failure;
+        port.failure = 0;
+        EXPECT_TRUE(seen_within([&] { return link->write(frame()) == WriteStatus::written; }));
+    }
+}
+
+TEST(SpiLink, AFrameThatWasSentInPartIsNotWritten) {
+    SpiPort port;
+    const auto link = opened();
+    port.missing = 1;
+    EXPECT_TRUE(seen_within([&] { return link->write(frame()) == WriteStatus::unavailable; }));
+}
+
+TEST(SpiLink, DropsAFrameThatIsTooOld) {
+    SpiPort port;
+    const auto link = opened();
+    EXPECT_TRUE(seen_within([&] {
+        return link->write_asked(frame(), {.made = monotonic_now() - 1s, .valid_for = 1ms}) ==
+               WriteStatus::busy;
+    }));
+    EXPECT_TRUE(port.all_sent().empty());
+}
+
+TEST(SpiLink, SendsTheNewestOfTheFramesThatWaited) {
+    SpiPort port;
+    port.keeps = true;
+    const auto link = opened();
+    link->write_asked(frame(), long_lived());
+    ASSERT_TRUE(seen_within([&] { return port.begun == 1; }));
+    link->write_asked(ppm_frame({1200}), long_lived());
+    link->write_asked(ppm_frame({1400}), long_lived());
+    port.let_go.release(2);
+    ASSERT_TRUE(seen_within([&] { return port.all_sent().size() == 2; }));
+    EXPECT_EQ(port.all_sent()[1], bits(513, {{0, 300}, {1400, 1700}}));
+}
+
+TEST(SpiLink, WithdrawsAFrameThatWaits) {
+    SpiPort port;
+    port.keeps = true;
+    const auto link = opened();
+    link->write_asked(frame(), long_lived());
+    ASSERT_TRUE(seen_within([&] { return port.begun == 1; }));
+    link->write_asked(ppm_frame({1200}), long_lived());
+    link->write_asked(quiet_record(), long_lived());
+    port.let_go.release(1);
+    // The thread has looked at the record when it is idle; then a frame is the second one.
+    EXPECT_TRUE(seen_within(
+        [&] { return link->write_asked(quiet_record(), long_lived()) == WriteStatus::written; }));
+    std::this_thread::sleep_for(50ms);
+    EXPECT_EQ(port.begun, 1);
+    port.let_go.release(1);
+    link->write_asked(ppm_frame({1400}), long_lived());
+    ASSERT_TRUE(seen_within([&] { return port.all_sent().size() == 2; }));
+    EXPECT_EQ(port.all_sent()[1], bits(513, {{0, 300}, {1400, 1700}}));
+}
+
+TEST(SpiLink, HasNothingToRead) {
+    const SpiPort port;
+    const auto link = opened();
+    Reception reception;
+    reception.count = 9;
+    reception.full = true;
+    EXPECT_EQ(link->read(reception), ReadStatus::nothing);
+    EXPECT_EQ(reception.count, 0U);
+    EXPECT_FALSE(reception.full);
+    EXPECT_EQ(link->descriptor(), -1);
+}
+
+}  // namespace
+}  // namespace tribus::test::spi_link_test
