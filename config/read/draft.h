@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -116,10 +117,9 @@ std::optional<std::size_t> index_of(const Drafts& drafts, std::string_view name)
 /// Names of all elements.
 template <class Drafts>
 std::vector<std::string_view> names_in(const Drafts& drafts) {
-    std::vector<std::string_view> names;
-    for (const auto& draft : drafts) {
-        names.emplace_back(draft.config.name);
-    }
+    std::vector<std::string_view> names(drafts.size());
+    std::ranges::transform(drafts, names.begin(),
+                           [](const auto& draft) { return std::string_view(draft.config.name); });
     return names;
 }
 

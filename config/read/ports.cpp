@@ -295,7 +295,8 @@ void read_port(const Entry& entry, const PortKeys& port, SettingScope scope,
         draft.config.settings = values_of(port.protocol->settings, content);
     }
     draft.settings_sound = check_by_protocol(port, draft.config.settings, scope, content, reading);
-    if (draft.settings_sound && port.protocol->dependent_defaults != nullptr) {
+    if (draft.settings_sound && port.protocol != nullptr &&
+        port.protocol->dependent_defaults != nullptr) {
         draft.config.settings =
             with_dependent_defaults(*port.protocol, draft.config.settings, scope);
     }

@@ -278,10 +278,11 @@ std::optional<ValueMessageConfig> read_message(const TableContent& content, Read
     }
     ValueMessageConfig config;
     const auto take = [&config](auto source) {
-        if (source) {
+        const bool known = source.has_value();
+        if (known) {
             config.layout = *std::move(source);
         }
-        return source.has_value();
+        return known;
     };
     const bool sound = &kind_of(content) == &kDroneCan
                            ? take(read_dronecan_source(content, mistakes))

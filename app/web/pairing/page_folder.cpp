@@ -76,7 +76,7 @@ tl::expected<void, std::string> PageFolder::give() const {
         return {};
     }
     const gid_t group = before.st_gid == *page ? 0 : before.st_gid;
-    const auto kept = replace_file(
+    auto kept = replace_file(
         kept_in(), fmt::format("{} {:o}\n", group, before.st_mode & kPermissions), kRootOnly);
     if (!kept) {
         return kept;

@@ -24,6 +24,11 @@ std::string message(const std::string& name, const std::string& more = "") {
            "]\ninterface = \"can0\"\ndronecan = \"uavcan.equipment.power.BatteryInfo\"\n" + more;
 }
 
+std::string dbc_message(const std::string& file, const std::string& message) {
+    return "[values.pack]\ninterface = \"can0\"\ndbc = \"" TRIBUS_SOURCE_DIR "/config/examples/" +
+           file + ".dbc\"\nmessage = \"" + message + "\"\n";
+}
+
 /// What carries over from the nine lines and `running` to the nine lines and `fresh`.
 struct Reload {
     Reload(const std::string& fresh, const std::string& running)
@@ -71,6 +76,16 @@ TEST(CarriedValues, AreNoneOfASourceThatChanged) {
     EXPECT_EQ(reload.carry.messages, Froms{std::nullopt});
     EXPECT_EQ(reload.source_of("S.1"), "");
     EXPECT_EQ(reload.source_of("pack.voltage"), "");
+}
+
+TEST(CarriedValues, AreThoseOfTheSameMessageOfTheSameDbcFile) {
+    const auto carried = [](const std::string& fresh, const std::string& running) {
+        return Reload(fresh + bus("T"), running + bus("T")).carry.messages;
+    };
+    const std::string channels = dbc_message("rc-box", "Channels1to4");
+    EXPECT_EQ(carried(channels, channels), Froms{0});
+    EXPECT_EQ(carried(channels, dbc_message("rc-box", "Channels5to8")), Froms{std::nullopt});
+    EXPECT_EQ(carried(channels, dbc_message("telemetry", "Battery")), Froms{std::nullopt});
 }
 
 TEST(CarriedValues, AreNotMistakenForThoseOfALongerName) {

@@ -169,6 +169,12 @@ struct DependentDefault {
     Json value;
 };
 
+TEST_F(Defaults, ArePrintedAsJsonThatAPersonCanRead) {
+    const std::string json = effective_json(loaded(main_job_with(10, "")));
+    EXPECT_TRUE(json.starts_with("{\n  \"runtime\": {\n    \"realtime\": \"auto\",\n")) << json;
+    EXPECT_TRUE(json.ends_with("\n  }\n}\n")) << json;
+}
+
 TEST_F(Defaults, ThatDependOnOtherKeysArePrinted) {
     const std::string mavlink = "protocol = \"mavlink\"\ndevice = \"/dev/ttyC\"\n";
     const std::string dronecan = "protocol = \"dronecan\"\ninterface = \"can0\"\nnode_id = 42\n";
