@@ -43,7 +43,7 @@ std::optional<std::pair<sockaddr_un, socklen_t>> address_of(std::string_view nam
 
 std::optional<std::uint64_t> number_in(const char* variable) {
     const char* const text = std::getenv(variable);
-    std::uint64_t number{};
+    std::uint64_t number = 0;
     if (text == nullptr) {
         return std::nullopt;
     }

@@ -17,7 +17,7 @@ namespace {
 /// processor.
 constexpr Duration kAcceptPause = std::chrono::seconds(1);
 
-/// User id of the other side of a local socket; the same one for all other sockets.
+/// User id of the other side of a local socket. All other sockets have one number.
 std::uint32_t user_of(int descriptor) {
     ucred peer{};
     socklen_t size = sizeof peer;
@@ -26,8 +26,7 @@ std::uint32_t user_of(int descriptor) {
 }
 
 bool hung_up(int descriptor) {
-    pollfd state{};
-    state.fd = descriptor;
+    pollfd state{.fd = descriptor, .events = 0, .revents = 0};
     return ::poll(&state, 1, 0) != 0;
 }
 

@@ -79,7 +79,7 @@ class Watchdog {
     Instant compares_from_{};  ///< what was published before lies in a stop or before one
     std::vector<Seen> outputs_;
     Punctuality punctuality_ = Punctuality::on_time;
-    std::size_t late_output_{};
+    std::size_t late_output_ = 0;
 };
 
 }  // namespace tribus

@@ -124,7 +124,7 @@ class NodeChecks {
         const SettingValues& settings = output.config.settings;
         const std::string message =
             fmt::format("{} {}", settings.get_or<std::string>("carries", "rc"),
-                        settings.get_or<std::int64_t>("receiver", {}));
+                        settings.get_or<std::int64_t>("receiver", 0));
         const auto [known, first] =
             sent_.try_emplace(fmt::format("{} {}", output.config.port.device, message), &output);
         if (!first) {

@@ -13,7 +13,7 @@
 namespace tribus {
 namespace {
 
-/// Of a text that is not empty.
+/// `name` is not empty.
 bool is_node_name(std::string_view name) {
     return name.size() <= dronecan::kLongestNodeName && std::ranges::all_of(name, [](char c) {
                return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '.' || c == '_' ||

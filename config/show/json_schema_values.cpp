@@ -33,7 +33,7 @@ Json choices_schema(const Setting& setting) {
     Json choices = Json::array();
     for (const std::string_view choice : setting.choices) {
         if (setting.type == SettingType::integer) {
-            std::int64_t number{};
+            std::int64_t number = 0;
             std::from_chars(choice.data(), choice.data() + choice.size(), number);
             choices.push_back(number);
         } else {

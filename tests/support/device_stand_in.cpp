@@ -150,7 +150,7 @@ int open(const char* path, int flags, ...) {
     return device != nullptr ? device->open_file(flags) : calls::library_open(path, flags, mode);
 }
 
-/// What `open` is where the C library checks its arguments.
+/// The C library calls this for `open` where it checks arguments.
 int __open_2(const char* path, int flags) {
     return open(path, flags);
 }

@@ -19,15 +19,15 @@ namespace tribus::test {
 /// refuses each request with ENOTTY. Subclasses say which driver of the kernel they copy.
 class DeviceStandIn {
   public:
-    /// Who opens that path opens the file at it, or an empty one if there is none. A stand-in may
-    /// also be for a descriptor that is open already, such as a socket.
+    /// A program that opens that path gets the file at it, or an empty one if there is none. A
+    /// stand-in may also be for a descriptor that is open already, such as a socket.
     explicit DeviceStandIn(std::string path);
     explicit DeviceStandIn(int descriptor);
     DeviceStandIn(const DeviceStandIn&) = delete;
     DeviceStandIn& operator=(const DeviceStandIn&) = delete;
     virtual ~DeviceStandIn();
 
-    /// What the kernel returns; an error is an errno below zero (-EIO). Nothing: the file answers.
+    /// The kernel's result; an error is an errno below zero (-EIO). Nothing: the file answers.
     using Answer = std::optional<long>;
     /// Also that of `access`.
     virtual Answer open() { return {}; }

@@ -9,7 +9,7 @@
 
 namespace tribus::test {
 
-/// What a GPIO line is at first.
+/// A GPIO line before a program requests it.
 struct StandInLine {
     std::string name{};      ///< empty: it has none
     std::string consumer{};  ///< who has it; empty: nobody
@@ -55,7 +55,7 @@ class GpioChipStandIn {
     void end_events(unsigned line);
     /// The line does not answer any more: it has no level and takes none.
     void silence(unsigned line);
-    /// What was requested, as "tribus: output, active-low"; empty if nobody holds the line.
+    /// The request, such as "tribus: output, active-low"; empty if nobody holds the line.
     std::string requested(unsigned line) const;
     /// How often it is open now.
     int open_count() const;

@@ -23,7 +23,7 @@ Bytes bytes_of(const T& value) {
     return bytes;
 }
 
-/// With a zero behind it.
+/// The text with a zero behind it.
 inline Bytes bytes_of(const char* text) {
     Bytes bytes;
     for (const char letter : std::string_view(text)) {

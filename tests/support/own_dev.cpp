@@ -18,7 +18,7 @@
 namespace tribus::test {
 namespace {
 
-/// Of the machine.
+/// The machine's /dev/null.
 UniqueFd& null_device() {
     static UniqueFd device;
     return device;

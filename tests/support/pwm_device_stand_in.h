@@ -23,7 +23,7 @@ class PwmDeviceStandIn final : public DeviceStandIn {
   public:
     explicit PwmDeviceStandIn(const std::filesystem::path& file) : DeviceStandIn(made(file)) {}
 
-    /// What was done since: "request 1", "set 1: 1500000 of 20000000 ns", "free 1".
+    /// The calls since the last question: "request 1", "set 1: 1500000 of 20000000 ns", "free 1".
     std::vector<std::string> take() {
         const std::lock_guard lock(mutex_);
         return std::exchange(done_, {});

@@ -33,7 +33,7 @@ inline constexpr LineSettings kSbusLine8E2{
 /// ttyS1 of the 8250 driver: a pty that answers as serial_core.c and n_tty.c do (asm/ioctls.h,
 /// linux/serial.h, linux/serial_core.h). TCGETS2 returns what TCSETS2 brought and the driver kept;
 /// TIOCOUTQ and TIOCINQ the bytes that wait; TIOCGSERIAL and TIOCSSERIAL the driver's own settings.
-/// What is not answered here is that of the pty.
+/// The pty answers all that is not answered here.
 class Uart : public DeviceStandIn {
   public:
     explicit Uart(const std::string& path, unsigned device_major = 4, unsigned device_minor = 65)
@@ -115,12 +115,12 @@ class Uart : public DeviceStandIn {
     int driver_failure = 0;
     std::vector<serial_struct> driver_settings{};
     std::vector<int> flushed{};
-    /// What waits to be sent, at each question; the last one stays.
+    /// Bytes that wait to be sent, at each question; the last number stays.
     std::deque<int> queue{0};
     int queue_failure = 0;
     int unread = 0;
     int unread_failure = 0;
-    /// Of each read; none is a signal. Without any, reads fail.
+    /// The bytes of each read; no bytes are a signal. Without reads left, they fail.
     std::deque<std::vector<std::uint8_t>> arrived{};
     int read_failure = EAGAIN;
     int reads = 0;

@@ -58,7 +58,7 @@ WriteStatus LinkWorker::wake(FrameLife life) {
         waits_since_ = life.made;
     }
     valid_until_ns_.store(as_number(later(life.made, life.valid_for)));
-    asked_.fetch_add(kOnce);
+    asked_.fetch_add(1);
     [[maybe_unused]] const auto woken = ::write(wake_up_.get(), &kOnce, sizeof kOnce);
     const WriteStatus status = status_.load();
     return status == WriteStatus::written && makes_no_progress(life) ? WriteStatus::unavailable
@@ -100,7 +100,7 @@ void LinkWorker::run() {
         const sched_param priority{.sched_priority = 1};
         ::sched_setscheduler(0, SCHED_FIFO, &priority);
     }
-    std::uint64_t count{};
+    std::uint64_t count = 0;
     while (!ends_.load()) {
         if (::read(wake_up_.get(), &count, sizeof count) == sizeof count && !ends_.load()) {
             note_progress();

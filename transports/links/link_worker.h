@@ -69,15 +69,15 @@ class LinkWorker {
     WorkerSettings settings_;
     UniqueFd wake_up_;
     std::function<WriteStatus()> work_;
-    std::atomic<bool> ends_{};
-    std::atomic<bool> works_{};
+    std::atomic<bool> ends_ = false;
+    std::atomic<bool> works_ = false;
     std::atomic<WriteStatus> status_ = WriteStatus::written;
     /// Requests have numbers.
-    std::atomic<std::uint64_t> asked_{};
-    std::atomic<std::uint64_t> taken_{};
+    std::atomic<std::uint64_t> asked_ = 0;
+    std::atomic<std::uint64_t> taken_ = 0;
     /// When the thread last took a request or finished a part.
-    std::atomic<std::int64_t> progress_ns_{};
-    std::atomic<std::int64_t> valid_until_ns_{};
+    std::atomic<std::int64_t> progress_ns_ = 0;
+    std::atomic<std::int64_t> valid_until_ns_ = 0;
     /// When the first request that is not taken was made.
     Instant waits_since_{};
     std::thread thread_;

@@ -12,7 +12,7 @@ namespace {
 /// Thread-local storage of the program and its libraries. The C library puts it on the stack of a
 /// thread.
 std::size_t thread_local_bytes() {
-    std::size_t bytes{};
+    std::size_t bytes = 0;
     const auto add = [](dl_phdr_info* object, std::size_t, void* sum) {
         for (const auto& segment : std::span(object->dlpi_phdr, object->dlpi_phnum)) {
             if (segment.p_type == PT_TLS) {
@@ -30,7 +30,7 @@ constexpr std::size_t kBesideThreadLocals = std::size_t{8} * 1024;
 
 int set_stack(pthread_attr_t& attributes, std::size_t stack_bytes) {
     const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-    const auto least = static_cast<std::size_t>(std::max(::sysconf(_SC_THREAD_STACK_MIN), long{}));
+    const auto least = static_cast<std::size_t>(std::max(::sysconf(_SC_THREAD_STACK_MIN), 0L));
     const std::size_t bytes =
         std::max(stack_bytes, least) + thread_local_bytes() + kBesideThreadLocals;
     return ::pthread_attr_setstacksize(&attributes, (bytes + page - 1) / page * page);

@@ -18,7 +18,7 @@
 #include "tests/support/seen_within.h"
 #include "tests/support/temporary_folder.h"
 
-/// What another thread prepares for a reload.
+/// Another thread prepares a reload.
 namespace tribus::test::preparation_test {
 namespace {
 

@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "pipelines/realtime/clock.h"
+#include "tests/support/nothing_to_read.h"
 #include "tests/support/pwm_folder.h"
 #include "tests/support/seen_within.h"
 #include "transports/links/unique_fd.h"
@@ -45,13 +46,7 @@ TEST(PwmLink, HasNothingToRead) {
     folder.add("pwmchip0", "x", 1);
     auto link = PwmLink::open("pwmchip0", 20ms, {.now = monotonic_now}, folder.root());
     ASSERT_TRUE(link) << link.error();
-    Reception reception;
-    reception.count = 5;
-    reception.full = true;
-    EXPECT_EQ((*link)->descriptor(), -1);
-    EXPECT_EQ((*link)->read(reception), ReadStatus::nothing);
-    EXPECT_EQ(reception.count, 0U);
-    EXPECT_FALSE(reception.full);
+    expect_nothing_to_read(**link);
 }
 
 TEST(PwmLink, RefusesAnOutputThatItsChipDoesNotHaveAndNoOtherForThat) {

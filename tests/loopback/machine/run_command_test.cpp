@@ -34,7 +34,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// What the child ends with, instead of `run`'s own status, if `run` returned.
+/// The child ends with this instead of `run`'s own status if `run` returned.
 constexpr int kReturned = 100;
 
 class RunCommand : public testing::Test {

@@ -15,7 +15,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 class BytesOfASerialUart : public SerialUart {};
 
-/// What a read gives.
+/// The result of a read.
 struct Read {
     ReadStatus status;
     Bytes bytes;

@@ -182,7 +182,7 @@ TEST(SerialUartOpen, IsMissingWhereNothingHasThatName) {
     EXPECT_FALSE(SerialPort::is_missing("/dev/null/ttyNO0")) << "it can never be there";
 }
 
-/// What is asked for at the end.
+/// The calls that a port makes at its end.
 struct End {
     std::ptrdiff_t looks = 0;
     std::vector<int> flushed{};

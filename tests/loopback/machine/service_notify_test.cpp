@@ -22,7 +22,7 @@
 #include "tests/support/seen_within.h"
 #include "tests/support/temporary_folder.h"
 
-/// What a service manager hears, byte for byte.
+/// A service manager hears this, byte for byte.
 namespace tribus::test::service_notify_test {
 namespace {
 
@@ -149,7 +149,7 @@ class ServiceNotifyOf : public testing::Test {
         EXPECT_EQ(manager_.told(), Lines{"READY=1"});
         return *service_;
     }
-    /// What is told at a look, without the status.
+    /// Looks, and returns what the service manager is told then, without the status.
     Lines feeds(Instant now) {
         service_->look(*appliance_, now);
         Lines told = manager_.told();

@@ -10,7 +10,7 @@
 
 #include "tests/loopback/machine/served_turns.h"
 
-/// Who is accepted, who is refused, and who gives way.
+/// A server accepts clients, refuses some, and lets some give way to others.
 namespace tribus::test::socket_server_places_test {
 namespace {
 

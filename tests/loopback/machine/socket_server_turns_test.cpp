@@ -6,7 +6,7 @@
 #include "tests/loopback/machine/served_turns.h"
 #include "tests/support/fewer_descriptors.h"
 
-/// Who is waited for, heard and dropped, in virtual time.
+/// A server waits for clients, hears them and drops them, in virtual time.
 namespace tribus::test::socket_server_turns_test {
 namespace {
 

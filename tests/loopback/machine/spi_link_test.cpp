@@ -18,6 +18,7 @@
 #include "tests/support/device_stand_in.h"
 #include "tests/support/edges.h"
 #include "tests/support/fewer_descriptors.h"
+#include "tests/support/nothing_to_read.h"
 #include "tests/support/seen_within.h"
 #include "transports/links/pulse_line/pulse_line_medium.h"
 
@@ -259,13 +260,7 @@ TEST(SpiLink, WithdrawsAFrameThatWaits) {
 TEST(SpiLink, HasNothingToRead) {
     const SpiPort port;
     const auto link = opened();
-    Reception reception;
-    reception.count = 9;
-    reception.full = true;
-    EXPECT_EQ(link->read(reception), ReadStatus::nothing);
-    EXPECT_EQ(reception.count, 0U);
-    EXPECT_FALSE(reception.full);
-    EXPECT_EQ(link->descriptor(), -1);
+    expect_nothing_to_read(*link);
 }
 
 }  // namespace

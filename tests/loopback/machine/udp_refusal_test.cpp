@@ -8,7 +8,7 @@
 #include "tests/support/fewer_descriptors.h"
 #include "transports/links/udp/udp_link.h"
 
-/// What a UDP link makes of errors of the kernel.
+/// A UDP link meets errors of the kernel.
 namespace tribus::test::udp_refusal_test {
 namespace {
 

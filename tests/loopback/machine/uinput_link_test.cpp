@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/device_stand_in.h"
+#include "tests/support/nothing_to_read.h"
 
 /// The link of a joystick that the kernel makes, with a stand-in for uinput.
 namespace tribus::test::uinput_link_test {
@@ -256,13 +257,7 @@ TEST(UinputLink, TakesReportsOfItsLengthOnly) {
 TEST(UinputLink, HasNothingToRead) {
     const Uinput uinput;
     const auto link = opened();
-    Reception reception;
-    reception.count = 9;
-    reception.full = true;
-    EXPECT_EQ(link->read(reception), ReadStatus::nothing);
-    EXPECT_EQ(reception.count, 0U);
-    EXPECT_FALSE(reception.full);
-    EXPECT_EQ(link->descriptor(), -1);
+    expect_nothing_to_read(*link);
 }
 
 }  // namespace

@@ -206,7 +206,7 @@ std::optional<std::string> fd_problem(const CanInterface& interface) {
 std::vector<std::string> advice(const CanInterface& interface, bool sends, bool fd_wanted) {
     std::vector<std::string> sentences;
     if (!interface.up) {
-        const bool without_rate = interface.kind == "can" && !interface.bit_rate.has_value();
+        const bool without_rate = interface.kind == "can" && !interface.bit_rate;
         sentences.push_back(
             "it is down: " +
             set_link(interface, without_rate ? "up type can bitrate 1000000" : "up") +

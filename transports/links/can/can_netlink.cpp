@@ -139,7 +139,7 @@ tl::expected<bool, int> take_messages(std::span<const std::byte> datagram,
 UniqueFd open_netlink() {
     UniqueFd fd(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE));
     if (fd.valid()) {
-        const timeval limit{kMostSecondsToAnswer, {}};
+        const timeval limit{.tv_sec = kMostSecondsToAnswer, .tv_usec = 0};
         ::setsockopt(fd.get(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
     }
     return fd;
@@ -161,7 +161,7 @@ tl::expected<std::vector<CanInterface>, int> ask_by(int socket, const NetlinkReq
         }
         const auto more = take_messages(
             std::span<const std::byte>(answer).first(static_cast<std::size_t>(size)), found);
-        if (!more.has_value()) {
+        if (!more) {
             return tl::unexpected(more.error());
         }
         if (!*more) {

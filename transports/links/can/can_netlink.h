@@ -9,9 +9,8 @@
 #include "transports/links/can/can_interface.h"
 #include "transports/links/unique_fd.h"
 
-/// What is asked of the kernel about network interfaces (rtnetlink), and what it answers. Errors
-/// are values of errno. Pure and reentrant but for `open_netlink` and
-/// `ask_by`.
+/// Questions to the kernel about network interfaces (rtnetlink), and its answers. Errors are values
+/// of errno. All but `open_netlink` and `ask_by` are pure; any thread may call them.
 namespace tribus {
 
 /// A request of rtnetlink, as it is sent.
@@ -19,7 +18,7 @@ using NetlinkRequest = std::vector<std::byte>;
 
 NetlinkRequest request_of_interface(const std::string& name);
 NetlinkRequest request_of_all_interfaces();
-/// Of a controller, to end its bus-off.
+/// Restarts a controller, which ends its bus-off.
 NetlinkRequest request_of_restart(const std::string& name);
 
 /// Whether a network interface can have this name.
@@ -30,14 +29,13 @@ bool is_name_of_interface(const std::string& name);
 tl::expected<bool, int> take_messages(std::span<const std::byte> datagram,
                                       std::vector<CanInterface>& found);
 
-/// A socket to ask by, at which an answer comes within 5 s or none. Invalid, with errno, if there
-/// is none.
+/// Opens a socket for `ask_by`, which waits 5 s for an answer. Invalid, with errno, if that fails.
 UniqueFd open_netlink();
 
 /// Sends a request and reads the whole answer. Blocks as the socket does.
 tl::expected<std::vector<CanInterface>, int> ask_by(int socket, const NetlinkRequest& request);
 
-/// Which of these are CAN interfaces, or how to get one.
+/// Names those of them that are CAN interfaces, or says how to get one.
 std::string existing_can_interfaces(std::span<const CanInterface> all);
 /// Why the kernel did not answer.
 std::string asking_problem(int error);

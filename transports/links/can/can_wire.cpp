@@ -31,7 +31,7 @@ constexpr std::array<Word, kMostClassicBytes + 1> kFirstBytes{{
 }};
 
 std::uint64_t classic_data(const std::uint8_t* data, std::size_t length) {
-    std::uint64_t word{};
+    std::uint64_t word = 0;
     std::memcpy(&word, data, sizeof word);
     return word & std::bit_cast<std::uint64_t>(kFirstBytes[length]);
 }

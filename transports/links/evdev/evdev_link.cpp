@@ -99,7 +99,7 @@ void EvdevLink::read_whole_state() {
     }
     CodeSet<KEY_CNT> pressed;
     if (::ioctl(fd_.get(), EVIOCGKEY(sizeof pressed.words), pressed.words.data()) != -1) {
-        for (std::uint16_t code = BTN_MISC; code != KEY_CNT; ++code) {
+        for (std::uint16_t code = BTN_MISC; code < KEY_CNT; ++code) {
             state_.set_button(code, pressed.has(code));
         }
     }
@@ -137,7 +137,7 @@ ReadStatus EvdevLink::read(Reception& reception) {
     if (gone_) {
         return ReadStatus::lost;
     }
-    std::uint64_t ticks{};
+    std::uint64_t ticks = 0;
     const bool ticked = ::read(timer_.get(), &ticks, sizeof ticks) == sizeof ticks;
     const Taken taken = take_events();
     gone_ = taken.gone;

@@ -36,6 +36,7 @@ void EvdevState::set_button(std::uint16_t code, bool pressed) {
 EvdevState::Outcome EvdevState::take(const input_event& event) {
     if (event.type == EV_SYN && event.code == SYN_DROPPED) {
         dropping_ = true;
+        return Outcome::none;
     }
     if (event.type == EV_SYN && event.code == SYN_REPORT) {
         const bool dropped = dropping_;

@@ -168,7 +168,7 @@ std::optional<bool> GpioInput::read() {
     std::array<GpioEdge, kEdgesPerRead> edges{};
     const auto count = line_->read_edges(edges);
     latest_edge_.reset();
-    if (!count.has_value()) {
+    if (!count) {
         return std::nullopt;
     }
     if (*count == edges.size()) {

@@ -49,7 +49,7 @@ tl::expected<GpioPlace, std::string> parse_gpio_place(std::string_view text) {
     if (!chip) {
         return refused(text, "is an offset without its chip");
     }
-    unsigned offset{};
+    unsigned offset = 0;
     if (std::from_chars(line.data(), line.data() + line.size(), offset).ec != std::errc()) {
         return refused(text, "has an offset that is too large");
     }

@@ -98,7 +98,7 @@ ReadStatus EdgeLink::read(Reception& reception) {
     reception.full = false;
     reception.goes_on = false;
     // Before the edges: one that comes in between shows that the line is not quiet.
-    std::uint64_t expirations{};
+    std::uint64_t expirations = 0;
     const bool expired =
         ::read(timer_.get(), &expirations, sizeof expirations) == sizeof expirations;
     if (!gone_ && take_edges(reception)) {

@@ -43,9 +43,9 @@ class EdgeLink final : public ByteLink {
 
     std::unique_ptr<GpioHeldLine> line_;
     UniqueFd timer_;
-    std::uint64_t timer_at_{};     ///< in nanoseconds of the monotonic clock
-    std::uint64_t latest_edge_{};  ///< likewise; 0: none yet
-    bool is_quiet_ = true;         ///< a record said so, or no edge came yet
+    std::uint64_t timer_at_ = 0;     ///< in nanoseconds of the monotonic clock
+    std::uint64_t latest_edge_ = 0;  ///< likewise; 0: none yet
+    bool is_quiet_ = true;           ///< a record said so, or no edge came yet
     bool after_loss_ = true;
     bool gone_ = false;
 };

@@ -38,11 +38,11 @@ bool SpiLink::keep_frame(std::span<const std::uint8_t> frame, FrameLife life) {
 /// Draws the frame that waits. Returns false if none does.
 bool SpiLink::take_frame(Instant& valid_until) {
     std::array<std::uint8_t, kMostFrameBytes> records{};
-    std::size_t bytes{};
+    std::size_t bytes = 0;
     {
         const std::scoped_lock lock(mutex_);
         records = waiting_;
-        bytes = std::exchange(waiting_bytes_, {});
+        bytes = std::exchange(waiting_bytes_, 0);
         valid_until = waiting_until_;
     }
     return draw_pulses(std::span(records).first(bytes), calibration_, waveform_);

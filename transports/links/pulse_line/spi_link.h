@@ -56,7 +56,7 @@ class SpiLink final : public ByteLink {
     double calibration_;
     std::mutex mutex_;  ///< the data thread only tries it
     std::array<std::uint8_t, kMostFrameBytes> waiting_{};
-    std::size_t waiting_bytes_{};
+    std::size_t waiting_bytes_ = 0;
     Instant waiting_until_{};
     WriteStatus outcome_ = WriteStatus::written;  ///< of the thread
     Waveform waveform_;                           ///< of the thread

@@ -129,13 +129,11 @@ PwmOutputs::PwmOutputs(PwmChipFacts chip, Duration period)
     : chip_(std::move(chip)), period_(period), device_(chip_.device) {}
 
 PwmOutputs::~PwmOutputs() {
-    std::size_t output = 0;
-    for (const State state : states_) {
-        if (state != State::unused) {
+    for (std::size_t output = 0; output < states_.size(); ++output) {
+        if (states_[output] != State::unused) {
             set(output, 0);
             give_back(output);
         }
-        ++output;
     }
 }
 

@@ -1,5 +1,6 @@
 #include "transports/links/serial/parity_marks.h"
 
+#include <cassert>
 #include <cstring>
 
 namespace tribus {
@@ -54,7 +55,8 @@ std::span<const std::uint8_t> ParityMarks::take_until_mark(std::span<const std::
 void ParityMarks::take_byte(std::uint8_t byte, Reception& reception) {
     switch (place_) {
         case Place::plain:
-            place_ = Place::after_mark;  // all other bytes are taken at once
+            assert(byte == kMark);  // `take_until_mark` has taken the others
+            place_ = Place::after_mark;
             break;
         case Place::after_mark:
             if (byte == kDamageFollows) {

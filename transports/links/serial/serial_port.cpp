@@ -99,7 +99,7 @@ std::optional<std::string> claim(int fd, bool pseudo_terminal) {
     }
     // TIOCEXCL excludes everyone but root, so root must ask. Not on a pty, where the mark of a
     // killed program stays as long as the other end is open.
-    int exclusive{};
+    int exclusive = 0;
     if (!pseudo_terminal && ::ioctl(fd, TIOCGEXCL, &exclusive) == 0 && exclusive != 0) {
         return kInUse;
     }
@@ -234,7 +234,7 @@ ReadStatus SerialPort::read(Reception& reception) {
     if (lost_) {
         return ReadStatus::lost;
     }
-    ssize_t taken{};
+    ssize_t taken = -1;
     int tries = 0;
     do {
         taken = read_directly(fd_.get(), reception.bytes.data(), reception.bytes.size());
@@ -257,7 +257,7 @@ ReadStatus SerialPort::read(Reception& reception) {
 
 /// A read of a terminal without bytes waits for the kernel's worker (Link::wakes_at_each_arrival).
 bool SerialPort::has_unread() const {
-    int bytes{};
+    int bytes = 0;
     return ::ioctl(fd_.get(), TIOCINQ, &bytes) == 0 && bytes > 0;
 }
 
@@ -274,7 +274,7 @@ WriteStatus SerialPort::write(std::span<const std::uint8_t> frame) {
 }
 
 WriteStatus SerialPort::ask() {
-    int queued{};
+    int queued = 0;
     if (!lost_ && ::ioctl(fd_.get(), TIOCOUTQ, &queued) != 0) {
         lost_ = device_is_gone(errno);
         queued = 0;  // a driver that gives no count: the write decides

@@ -47,13 +47,13 @@ class MemoryLink : public ByteLink {
 
     std::array<std::uint8_t, kCapacity> sent_{};
     std::bitset<kCapacity> damaged_{};
-    std::size_t first_{};
-    std::size_t waiting_{};
+    std::size_t first_ = 0;
+    std::size_t waiting_ = 0;
     std::array<std::uint8_t, kCapacity> written_{};
-    std::size_t written_count_{};
-    std::size_t frames_written_{};
-    bool busy_{};
-    bool lost_{};
+    std::size_t written_count_ = 0;
+    std::size_t frames_written_ = 0;
+    bool busy_ = false;
+    bool lost_ = false;
 };
 
 }  // namespace tribus

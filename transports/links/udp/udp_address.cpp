@@ -16,7 +16,7 @@ namespace {
 using WrongAddress = tl::unexpected<std::string>;
 
 tl::expected<std::uint16_t, std::string> parse_port(std::string_view text) {
-    std::uint16_t port{};
+    std::uint16_t port = 0;
     const char* const behind = text.data() + text.size();
     const auto [end, error] = std::from_chars(text.data(), behind, port);
     const bool whole = error == std::errc() && end == behind;
@@ -82,7 +82,7 @@ tl::expected<UdpAddress, std::string> parse_udp_address(const std::string& text)
         return WrongAddress("the port is missing");
     }
     const auto port = parse_port(std::string_view(text).substr(colon + 1));
-    if (!port.has_value()) {
+    if (!port) {
         return WrongAddress(port.error());
     }
     const std::string host = text.substr(0, colon);

@@ -148,9 +148,11 @@ WriteStatus UdpLink::write(std::span<const std::uint8_t> frame) {
 
 void UdpLink::discard_unread() {
     unread_ = {};
-    std::uint8_t byte{};
-    for (int i = 0; i < kMostDiscarded && ::recv(fd_.get(), &byte, sizeof byte, MSG_TRUNC) != -1;
-         ++i) {
+    std::uint8_t byte = 0;
+    for (int i = 0; i < kMostDiscarded; ++i) {
+        if (::recv(fd_.get(), &byte, sizeof byte, MSG_TRUNC) == -1) {
+            return;
+        }
     }
 }
 

@@ -29,7 +29,7 @@ std::string dbc_message(const std::string& file, const std::string& message) {
            file + ".dbc\"\nmessage = \"" + message + "\"\n";
 }
 
-/// What carries over from the nine lines and `running` to the nine lines and `fresh`.
+/// A reload from the nine lines and `running` to the nine lines and `fresh`.
 struct Reload {
     Reload(const std::string& fresh, const std::string& running)
         : before(loaded(main_job_with(10, running))),

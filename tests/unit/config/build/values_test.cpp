@@ -37,7 +37,7 @@ struct Running {
     }
     explicit Running(const std::string& more) : Running(loaded(main_job_with(10, more))) {}
 
-    /// What a bus sends from then on, until so much later.
+    /// Bytes that a bus sends within a time.
     Bytes sent(std::size_t bus, Instant from, Duration within) {
         for (Instant now = from; now <= from + within; now += 50us) {
             values->poll(*engine, now);
@@ -48,7 +48,7 @@ struct Running {
         }
         return {};
     }
-    /// What a bus answers to a request.
+    /// The answer of a bus to a request.
     Bytes answer(const Bytes& request, std::size_t bus = 0, Duration within = 2ms) {
         const Instant now = kStart + 1s;
         values->receive(bus, with_ibus_checksum(request), now);

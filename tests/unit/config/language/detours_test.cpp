@@ -42,7 +42,7 @@ std::string best(const Lines& lines, std::size_t line = 0) {
     return detours(lines, line).front();
 }
 
-/// What closes that line.
+/// The detour that closes that line.
 Shown closed(std::size_t line, const std::string& text) {
     Shown all;
     for (const std::string closer : {"\"", "'", "]", "}", "]]", "\"]", "\" }"}) {

@@ -40,7 +40,7 @@ std::string page_of(const std::vector<ManualSection>& sections) {
     return page.erase(date, page.find('\n', date) + 1 - date);
 }
 
-/// What stands between head and foot.
+/// The text between head and foot.
 std::string body_of(const std::vector<ManualSection>& sections) {
     const std::string page = page_of(sections);
     EXPECT_TRUE(page.starts_with(kHead) && page.ends_with(kFoot)) << page;

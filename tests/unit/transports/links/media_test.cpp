@@ -12,7 +12,7 @@
 #include "transports/links/udp/udp_medium.h"
 #include "transports/links/uinput/uinput_medium.h"
 
-/// What each medium says of itself, and of places.
+/// Each medium describes itself and places.
 namespace tribus::test::media_test {
 namespace {
 

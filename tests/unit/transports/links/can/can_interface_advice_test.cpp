@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-/// What a person is told of an interface: in one line, and what to change.
+/// An interface in one line, and what to change on it.
 namespace tribus::can_interface_advice_test {
 namespace {
 

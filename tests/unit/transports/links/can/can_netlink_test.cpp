@@ -82,7 +82,7 @@ Bytes interface_message(const char* name, std::uint16_t flags = 0) {
                    flags);
 }
 
-/// What was read of a datagram.
+/// The result of reading a datagram.
 struct Taken {
     tl::expected<bool, int> more;
     std::vector<std::string> names{};

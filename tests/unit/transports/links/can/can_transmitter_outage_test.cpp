@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-/// What a transmitter remembers of a trouble of the bus, and what it forgets.
+/// A transmitter remembers some trouble of the bus and forgets other.
 namespace tribus::can_transmitter_outage_test {
 namespace {
 
