@@ -109,16 +109,17 @@ HttpAnswer configuration_answer(const fs::path& file) {
             .headers = fmt::format("ETag: \"{}\"\r\n", fingerprint(*text))};
 }
 
-HttpAnswer history_answer(const fs::path& folder, std::string_view rest) {
-    const auto files = kept_files(folder);
-    if (rest.empty()) {
-        Json list = Json::array();
-        for (const KeptFile& file : files) {
-            list.push_back({{"id", file.id}, {"bytes", file.bytes}});
-        }
-        return json_answer({{"files", std::move(list)}});
+HttpAnswer history_answer(const fs::path& folder) {
+    Json list = Json::array();
+    for (const KeptFile& file : kept_files(folder)) {
+        list.push_back({{"id", file.id}, {"bytes", file.bytes}});
     }
-    const auto file = std::ranges::find(files, rest.substr(1), &KeptFile::id);
+    return json_answer({{"files", std::move(list)}});
+}
+
+HttpAnswer kept_file_answer(const fs::path& folder, std::string_view id) {
+    const auto files = kept_files(folder);
+    const auto file = std::ranges::find(files, id, &KeptFile::id);
     if (file == files.end()) {
         return refused(404, "there is no such earlier configuration");
     }

@@ -10,17 +10,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "app/cli/object_text.h"
-#include "app/inspect/graph_model.h"
-#include "app/inspect/graph_picture.h"
-#include "app/status/fingerprint.h"
 #include "app/web/answers/answers.h"
-#include "app/web/answers/checks.h"
 #include "app/web/http/access.h"
-#include "config/language/read_document.h"
-#include "config/language/read_file.h"
-#include "config/show/json_schema.h"
-#include "core/quotes.h"
 
 namespace tribus::web {
 namespace {
@@ -31,19 +22,6 @@ std::string host_name() {
     constexpr std::size_t kLongest = 256;
     std::array<char, kLongest> name{};
     return ::gethostname(name.data(), name.size() - 1) == 0 ? std::string(name.data()) : "";
-}
-
-bool is_content_of(const std::filesystem::path& file, const std::optional<std::string>& text) {
-    const auto content = read_file(file, kMostConfigurationBytes, FileKinds::regular);
-    return content && text && *content == *text;
-}
-
-/// The part of a path up to the next '/', which is removed, too.
-std::string_view take_part(std::string_view& path) {
-    const std::size_t end = path.find('/');
-    const std::string_view part = path.substr(0, end);
-    path.remove_prefix(end == std::string_view::npos ? path.size() : end + 1);
-    return part;
 }
 
 }  // namespace
@@ -97,18 +75,51 @@ bool Site::answer_one(SocketClient& client, Instant now) {
                               false)),
             now);
     }
-    std::string_view path = request.path;
-    if (path.starts_with(kApi) && is_asked_by_another_page(request)) {
+    return answer_request(client, request, now);
+}
+
+bool Site::answer_request(SocketClient& client, const HttpRequest& request, Instant now) {
+    const bool api = request.path.starts_with(kApi);
+    if (api && is_asked_by_another_page(request)) {
         return send_reply(
             client, request,
             refused(403, "the request comes from a page of another address", request.keeps_open),
             now);
     }
-    if (request.method == "GET" && path.starts_with(kApi) && path.ends_with("/stream")) {
-        path.remove_prefix(kApi.size());
-        return begin_stream(client, request, std::string(take_part(path)), now);
+    std::optional<PathNames> names;
+    const auto found = std::ranges::find_if(routes(), [&](const SiteRoute& one) {
+        names =
+            one.route.method == request.method ? names_in(one.route, request.path) : std::nullopt;
+        return names.has_value();
+    });
+    if (found == routes().end()) {
+        return send_reply(client, request, api ? of_no_route(request) : file_of_page(request), now);
     }
-    return send_reply(client, request, reply(request, now), now);
+    const auto visitor = visitor_of(request);
+    if (const auto why =
+            why_not(found->route, request, visitor ? std::optional(visitor->role) : std::nullopt)) {
+        return send_reply(client, request, refused(why->status, why->why), now);
+    }
+    const auto& [first, last] = *names;
+    const auto daemon = first.empty() ? KnownDaemon{} : find_known(settings_.configurations, first);
+    if (!daemon) {
+        return send_reply(client, request,
+                          refused(404, "there is no daemon and no configuration of that name"),
+                          now);
+    }
+    const Asked asked{request, visitor, *daemon, last, now};
+    return found->answer == nullptr
+               ? begin_stream(client, asked)
+               : send_reply(client, request, (this->*found->answer)(asked), now);
+}
+
+HttpAnswer Site::of_no_route(const HttpRequest& request) {
+    const auto other = std::ranges::find_if(routes(), [&](const SiteRoute& one) {
+        return names_in(one.route, request.path).has_value();
+    });
+    return other == routes().end()
+               ? refused(404, "there is nothing of that name")
+               : refused(405, fmt::format("only {} is for this path", other->route.method));
 }
 
 bool Site::send_reply(SocketClient& client, const HttpRequest& request, Reply reply, Instant now) {
@@ -136,27 +147,19 @@ bool Site::send_reply(SocketClient& client, const HttpRequest& request, Reply re
     return client.send(http_text(answer), now);
 }
 
-Site::Reply Site::reply(const HttpRequest& request, Instant now) {
-    if (request.path == "/pair" || request.path == "/leave") {
-        if (const auto why = why_not_from_own_page(request)) {
-            return refused(why->status, why->why);
-        }
-        return request.path == "/pair" ? pair(request) : leave(request);
-    }
-    if (request.path == "/metrics" && request.method == "GET") {
-        return settings_.metrics
-                   ? metrics_of_daemons(now)
-                   : refused(404, "metrics are off; `tribus-web serve --metrics` has them");
-    }
-    std::string_view path = request.path;
-    if (path.starts_with(kApi)) {
-        path.remove_prefix(kApi.size());
-        return reply_of_api(request, path, now);
-    }
-    return request.method == "GET" ? file_of_page(request) : refused(405, "only GET");
+Site::Reply Site::me(const Asked& asked) {
+    return json_answer(
+        {{"role", asked.visitor ? Json(std::string(word_of(asked.visitor->role))) : Json(nullptr)},
+         {"host", host_name()},
+         {"public", settings_.is_public},
+         {"version", settings_.version},
+         {"screens", {"live", "timing", "config", "doctor", "learn", "recordings", "more"}}});
 }
 
 HttpAnswer Site::file_of_page(const HttpRequest& request) const {
+    if (request.method != "GET") {
+        return of_no_route(request);
+    }
     if (files_.empty()) {
         return {.status = 503,
                 .type = "text/plain; charset=utf-8",
@@ -165,7 +168,7 @@ HttpAnswer Site::file_of_page(const HttpRequest& request) const {
     }
     const PageFile* const file = files_.find(request.path);
     if (file == nullptr) {
-        return refused(404, "there is no such page");
+        return of_no_route(request);
     }
     const bool gzip = request.takes_gzip && !file->gzip.empty();
     return {.type = file->type,
@@ -173,129 +176,6 @@ HttpAnswer Site::file_of_page(const HttpRequest& request) const {
             .headers = "Vary: Accept-Encoding\r\n",
             .cached = request.path != "/",
             .gzip = gzip};
-}
-
-Site::Reply Site::reply_of_api(const HttpRequest& request, std::string_view path, Instant now) {
-    if (request.method == "GET" && path == "me") {
-        return me(request);
-    }
-    const auto visitor = visitor_of(request);
-    if (!visitor) {
-        return refused(401, "this browser is not paired; `sudo tribus pair` prints a code");
-    }
-    if (request.method == "GET" && path == "daemons") {
-        return daemons(now);
-    }
-    constexpr std::string_view kLearn = "learn/";
-    if (path == "doctor" || path.starts_with(kLearn)) {
-        if (const auto why = why_not_from_own_page(request)) {
-            return refused(why->status, why->why);
-        }
-        return path == "doctor" ? doctor(request, visitor->role, now)
-                                : learn(request, path.substr(kLearn.size()), *visitor, now);
-    }
-    const auto daemon = find_known(settings_.configurations, take_part(path));
-    if (!daemon) {
-        return refused(404, "there is no daemon and no configuration of that name");
-    }
-    return reply_of_daemon(request, *daemon, path, visitor->role, now);
-}
-
-HttpAnswer Site::me(const HttpRequest& request) {
-    const auto visitor = visitor_of(request);
-    return json_answer(
-        {{"role", visitor ? Json(std::string(word_of(visitor->role))) : Json(nullptr)},
-         {"host", host_name()},
-         {"public", settings_.is_public},
-         {"version", settings_.version},
-         {"screens", {"live", "timing", "config", "doctor", "learn", "recordings", "more"}}});
-}
-
-HttpAnswer Site::daemons(Instant now) const {
-    Json list = Json::array();
-    for (const KnownDaemon& daemon : known_daemons(settings_.configurations)) {
-        const auto watch = watches_.find(daemon.name);
-        const bool hangs = watch != watches_.end() && !watch->second->problem(now).empty();
-        list.push_back({{"name", daemon.name},
-                        {"state", daemon.tells.empty() ? "absent"
-                                  : hangs              ? "hung"
-                                                       : "running"},
-                        {"file", daemon.file.string()}});
-    }
-    return json_answer({{"daemons", std::move(list)}});
-}
-
-Site::Reply Site::reply_of_daemon(const HttpRequest& request, const KnownDaemon& daemon,
-                                  std::string_view what, Role role, Instant now) {
-    constexpr std::string_view kRecordings = "recordings";
-    if (request.method == "GET" && (what == kRecordings || what.starts_with("recordings/"))) {
-        return look_at_recordings(request, daemon, what.substr(kRecordings.size()), now);
-    }
-    if (request.method == "GET") {
-        return look_at_daemon(daemon, what, now);
-    }
-    if (const auto why = why_not_from_own_page(request)) {
-        return refused(why->status, why->why);
-    }
-    // Judging a text changes nothing, but reads the files that it names: who may only look has the
-    // configuration judged as it stands.
-    if (role != Role::change && !is_content_of(daemon.file, text_in(request.body, "toml"))) {
-        return refused(403, "this browser may only look; `sudo tribus pair` lets it change");
-    }
-    if (auto judged = judge_draft(request, daemon, what, now)) {
-        return *std::move(judged);
-    }
-    return role == Role::change
-               ? change_of_daemon(request, daemon, what, now)
-               : refused(403, "this browser may only look; `sudo tribus pair` lets it change");
-}
-
-/// Answers questions about a draft that change nothing.
-std::optional<Site::Reply> Site::judge_draft(const HttpRequest& request, const KnownDaemon& daemon,
-                                             std::string_view what, Instant now) {
-    const auto text = text_in(request.body, "toml");
-    if (text && what == "check") {
-        return json_answer(check_draft(*text, daemon.file));
-    }
-    if (text && what == "graph") {
-        return picture_of_draft(*text, daemon.file);
-    }
-    if (text && what == "diff") {
-        const auto watch = watches_.find(daemon.name);
-        const std::string status =
-            watch == watches_.end() ? std::string() : watch->second->fresh(now);
-        return ask(daemon, "configuration", now,
-                   [text, file = daemon.file, status](const auto& json) {
-                       return difference_to(json, *text, file, status);
-                   });
-    }
-    return std::nullopt;
-}
-
-Site::Reply Site::look_at_daemon(const KnownDaemon& daemon, std::string_view what, Instant now) {
-    if (what == "status") {
-        return ask(daemon, "status", now, as_it_is);
-    }
-    if (what == "histograms") {
-        return ask(daemon, "histograms", now, as_it_is);
-    }
-    if (what == "configuration") {
-        return configuration_answer(daemon.file);
-    }
-    if (what == "schema") {
-        return HttpAnswer{.content = json_schema()};
-    }
-    if (what == "graph.svg") {
-        return ask(daemon, "configuration", now,
-                   [](const std::string& json) { return picture_of_running(json); });
-    }
-    if (what == "history" || what.starts_with("history/")) {
-        return history_answer(settings_.state / "history" / daemon.name, what.substr(7));
-    }
-    if (what.starts_with("record/")) {
-        return ask(daemon, fmt::format("record {}", what.substr(7)), now, as_it_is);
-    }
-    return refused(404, "there is nothing of that name");
 }
 
 Site::Reply Site::ask(const KnownDaemon& daemon, std::string_view line, Instant now,

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -20,6 +21,7 @@
 #include "app/web/http/files.h"
 #include "app/web/http/http.h"
 #include "app/web/pairing/pairing.h"
+#include "app/web/server/routes.h"
 #include "core/time.h"
 
 namespace tribus::web {
@@ -53,10 +55,14 @@ class Site {
     /// Whether a page looks or waits.
     bool in_use() const { return !streams_.empty() || !pending_.empty() || learning_ || plotting_; }
 
+    /// What may be asked beside files of the page, and by whom.
+    static std::vector<Route> known_routes();
+
     static constexpr std::size_t kStreamsOfOneBrowser = 4;
 
   private:
     bool answer_one(SocketClient& client, Instant now);
+    bool answer_request(SocketClient& client, const HttpRequest& request, Instant now);
 
     struct Visitor {
         Role role;
@@ -97,31 +103,58 @@ class Site {
         std::optional<HttpAnswer> step{};
     };
 
-    Reply reply(const HttpRequest& request, Instant now);
-    Reply reply_of_api(const HttpRequest& request, std::string_view path, Instant now);
-    Reply reply_of_daemon(const HttpRequest& request, const KnownDaemon& daemon,
-                          std::string_view what, Role role, Instant now);
-    Reply look_at_daemon(const KnownDaemon& daemon, std::string_view what, Instant now);
-    std::optional<Reply> judge_draft(const HttpRequest& request, const KnownDaemon& daemon,
-                                     std::string_view what, Instant now);
-    Reply change_of_daemon(const HttpRequest& request, const KnownDaemon& daemon,
-                           std::string_view what, Instant now);
-    Reply look_at_recordings(const HttpRequest& request, const KnownDaemon& daemon,
-                             std::string_view what, Instant now);
+    /// What a route is asked for.
+    struct Asked {
+        const HttpRequest& request;
+        const std::optional<Visitor>& visitor;  ///< set where the route is not for anybody
+        const KnownDaemon& daemon;  ///< of the path's first name; empty if the path has none
+        const std::string& name;    ///< the path's last name; empty if it has none
+        Instant now;
+    };
+    struct SiteRoute {
+        Route route;
+        Reply (Site::*answer)(const Asked& asked) = nullptr;  ///< null: a stream
+    };
+    static std::span<const SiteRoute> routes();
+
+    Reply me(const Asked& asked);
+    Reply pair(const Asked& asked);
+    Reply leave(const Asked& asked);
+    Reply metrics(const Asked& asked);
+    Reply daemons(const Asked& asked);
+    Reply doctor(const Asked& asked);
+    Reply begin_learning(const Asked& asked);
+    Reply go_on_learning(const Asked& asked);
+    Reply stop_learning(const Asked& asked);
+    Reply status(const Asked& asked);
+    Reply histograms(const Asked& asked);
+    Reply configuration(const Asked& asked);
+    Reply schema(const Asked& asked);
+    Reply running_picture(const Asked& asked);
+    Reply history(const Asked& asked);
+    Reply kept_file(const Asked& asked);
+    Reply recording_state(const Asked& asked);
+    Reply recordings(const Asked& asked);
+    Reply recording_tar(const Asked& asked);
+    Reply recording_plot(const Asked& asked);
+    Reply check(const Asked& asked);
+    Reply draft_picture(const Asked& asked);
+    Reply difference(const Asked& asked);
+    Reply begin_draft(const Asked& asked);
+    Reply save(const Asked& asked);
+    Reply record(const Asked& asked);
+    Reply keep_draft(const Asked& asked);
+    Reply take_draft_back(const Asked& asked);
+
+    static HttpAnswer of_no_route(const HttpRequest& request);
+    HttpAnswer file_of_page(const HttpRequest& request) const;
+    /// The draft in a request, which this visitor may have judged, or why not.
+    std::variant<std::string, HttpAnswer> draft_in(const Asked& asked) const;
     Reply with_recordings(const KnownDaemon& daemon, Instant now,
                           std::function<Reply(const RecordingsPlace&)> go_on);
     Reply begin_plot(const RecordingsPlace& place, const std::string& name,
                      const std::string& query);
-    HttpAnswer file_of_page(const HttpRequest& request) const;
-    HttpAnswer me(const HttpRequest& request);
-    HttpAnswer daemons(Instant now) const;
-    HttpAnswer pair(const HttpRequest& request);
-    HttpAnswer leave(const HttpRequest& request);
-    Reply metrics_of_daemons(Instant now);
-    Reply doctor(const HttpRequest& request, Role role, Instant now);
-    Reply learn(const HttpRequest& request, std::string_view verb, const Visitor& visitor,
-                Instant now);
-    Reply begin_learning(const HttpRequest& request, const Visitor& visitor, Instant now);
+    bool others_learn(const Visitor& visitor) const;
     Reply next_step(Instant now);
     void look_at_learning(Instant now);
     /// Whoever waits for a step reads why none comes.
@@ -133,15 +166,10 @@ class Site {
                         FromLine as_answer, Duration patience = std::chrono::seconds(5));
     Reply ask_at(const std::string& socket, std::string_view line, Instant now, FromLine as_answer,
                  Duration patience);
-    Reply begin_draft(const HttpRequest& request, const KnownDaemon& daemon, Instant now);
-    static std::optional<HttpAnswer> why_not(const HttpRequest& request, const std::string& text,
-                                             const KnownDaemon& daemon);
-    Reply save(const HttpRequest& request, const KnownDaemon& daemon);
+    static std::optional<HttpAnswer> why_no_draft(const Asked& asked, const std::string& text);
     Reply run_draft(const KnownDaemon& daemon, Draft draft, std::int64_t seconds, Instant now);
-    Reply keep_draft(const KnownDaemon& daemon, std::uint64_t trial, Instant now);
 
-    bool begin_stream(SocketClient& client, const HttpRequest& request, std::string daemon,
-                      Instant now);
+    bool begin_stream(SocketClient& client, const Asked& asked);
     bool send_to_stream(const std::shared_ptr<Stream>& stream, SocketClient& client, Instant now);
     bool send_reply(SocketClient& client, const HttpRequest& request, Reply reply, Instant now);
     DaemonWatch* watch_of(const std::string& daemon);

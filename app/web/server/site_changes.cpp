@@ -49,50 +49,47 @@ HttpAnswer not_confirmed(const std::string& why) {
     return refused(over ? 409 : 502, why + "; the file is as before");
 }
 
+std::optional<std::uint64_t> trial_in(const HttpRequest& request) {
+    const auto trial = number_in(request.body, "trial");
+    return trial && *trial >= 1 ? std::optional(static_cast<std::uint64_t>(*trial)) : std::nullopt;
+}
+
+HttpAnswer no_trial() {
+    return refused(400, "the number of the trial is missing");
+}
+
 }  // namespace
 
-Site::Reply Site::change_of_daemon(const HttpRequest& request, const KnownDaemon& daemon,
-                                   std::string_view what, Instant now) {
-    if (what == "draft") {
-        return begin_draft(request, daemon, now);
+Site::Reply Site::record(const Asked& asked) {
+    return ask_to_change(asked.daemon, "record", asked.now, as_it_is);
+}
+
+Site::Reply Site::take_draft_back(const Asked& asked) {
+    const auto trial = trial_in(asked.request);
+    if (!trial) {
+        return no_trial();
     }
-    if (what == "save") {
-        return save(request, daemon);
-    }
-    if (what == "record") {
-        return ask_to_change(daemon, "record", now, as_it_is);
-    }
-    const auto trial = number_in(request.body, "trial");
-    if ((what == "confirm" || what == "back") && (!trial || *trial < 1)) {
-        return refused(400, "the number of the trial is missing");
-    }
-    if (what == "confirm") {
-        return keep_draft(daemon, static_cast<std::uint64_t>(*trial), now);
-    }
-    if (what == "back") {
-        return ask_to_change(
-            daemon, fmt::format("back {}", *trial), now,
-            [](const std::string& json) {
-                HttpAnswer answer = as_it_is(json);
-                answer.status = answer.status == 502 ? 409 : answer.status;
-                return answer;
-            },
-            kReloadPatience);
-    }
-    return refused(404, "there is nothing of that name");
+    return ask_to_change(
+        asked.daemon, fmt::format("back {}", *trial), asked.now,
+        [](const std::string& json) {
+            HttpAnswer answer = as_it_is(json);
+            answer.status = answer.status == 502 ? 409 : answer.status;
+            return answer;
+        },
+        kReloadPatience);
 }
 
 /// Why the text of a draft is refused; nothing if it may take the place of the file.
-std::optional<HttpAnswer> Site::why_not(const HttpRequest& request, const std::string& text,
-                                        const KnownDaemon& daemon) {
-    if (daemon.file.empty()) {
+std::optional<HttpAnswer> Site::why_no_draft(const Asked& asked, const std::string& text) {
+    const std::filesystem::path& file = asked.daemon.file;
+    if (file.empty()) {
         return refused(404, "its configuration is not in the folder of configurations");
     }
-    const std::string present = fingerprint_of(daemon.file);
-    if (tag_in(request.if_match) != present) {
+    const std::string present = fingerprint_of(file);
+    if (tag_in(asked.request.if_match) != present) {
         return changed_meanwhile(present);
     }
-    Json checked = check_draft(text, daemon.file);
+    Json checked = check_draft(text, file);
     if (!checked["mistakes"].empty()) {
         checked["error"] = "the draft has mistakes";
         return json_answer(checked, 400);
@@ -100,13 +97,14 @@ std::optional<HttpAnswer> Site::why_not(const HttpRequest& request, const std::s
     return std::nullopt;
 }
 
-Site::Reply Site::begin_draft(const HttpRequest& request, const KnownDaemon& daemon, Instant now) {
+Site::Reply Site::begin_draft(const Asked& asked) {
+    const auto& [request, visitor, daemon, name, now] = asked;
     auto text = text_in(request.body, "toml");
     const std::int64_t seconds = number_in(request.body, "seconds").value_or(kUsualTrialSeconds);
     if (!text || seconds < 1 || seconds > kMostTrialSeconds) {
         return refused(400, "a draft needs its text, and from 1 to 3600 seconds");
     }
-    if (auto why = why_not(request, *text, daemon)) {
+    if (auto why = why_no_draft(asked, *text)) {
         return *std::move(why);
     }
     if (daemon.tells.empty()) {
@@ -118,15 +116,16 @@ Site::Reply Site::begin_draft(const HttpRequest& request, const KnownDaemon& dae
 }
 
 /// Without a daemon nothing can be tried: the file had mistakes, or its service is off.
-Site::Reply Site::save(const HttpRequest& request, const KnownDaemon& daemon) {
-    const auto text = text_in(request.body, "toml");
+Site::Reply Site::save(const Asked& asked) {
+    const KnownDaemon& daemon = asked.daemon;
+    const auto text = text_in(asked.request.body, "toml");
     if (!text) {
         return refused(400, "the text is missing");
     }
     if (!daemon.tells.empty()) {
         return refused(409, "a daemon runs it; a change goes on trial first");
     }
-    if (auto why = why_not(request, *text, daemon)) {
+    if (auto why = why_no_draft(asked, *text)) {
         return *std::move(why);
     }
     const auto kept =
@@ -175,9 +174,14 @@ Site::Reply Site::run_draft(const KnownDaemon& daemon, Draft draft, std::int64_t
 /// The file is written first, for the daemon confirms a draft only if the file has it. If the
 /// daemon refuses, the old file comes back; it has a minute to read the file, so this waits for
 /// longer.
-Site::Reply Site::keep_draft(const KnownDaemon& daemon, std::uint64_t trial, Instant now) {
+Site::Reply Site::keep_draft(const Asked& asked) {
+    const KnownDaemon& daemon = asked.daemon;
+    const auto trial = trial_in(asked.request);
+    if (!trial) {
+        return no_trial();
+    }
     const auto draft = drafts_.find(daemon.name);
-    if (draft == drafts_.end() || draft->second.trial != trial) {
+    if (draft == drafts_.end() || draft->second.trial != *trial) {
         return refused(409, "that trial is over, or another program began it");
     }
     if (daemon.control.empty()) {
@@ -193,7 +197,7 @@ Site::Reply Site::keep_draft(const KnownDaemon& daemon, std::uint64_t trial, Ins
         return refused(500, kept.error());
     }
     return ask_to_change(
-        daemon, fmt::format("confirm {}", trial), now,
+        daemon, fmt::format("confirm {}", *trial), asked.now,
         [this, file = daemon.file, name = daemon.name, before = *before,
          history](const std::string& outcome) {
             const HttpAnswer answer = as_it_is(outcome);

@@ -26,19 +26,23 @@ HttpAnswer metrics_said(const std::string& json) {
 }  // namespace
 
 /// Scrapers wait 10 s: daemons that hang do not keep the others from being seen.
-Site::Reply Site::metrics_of_daemons(Instant now) {
-    struct Asked {
+Site::Reply Site::metrics(const Asked& asked) {
+    if (!settings_.metrics) {
+        return refused(404, "metrics are off; `tribus-web serve --metrics` has them");
+    }
+    struct OfDaemon {
         std::string name;
         Reply reply;
     };
     constexpr Duration kPatience = std::chrono::seconds(2);
-    auto asked = std::make_shared<std::vector<Asked>>();
+    auto all_asked = std::make_shared<std::vector<OfDaemon>>();
     for (const KnownDaemon& daemon : known_daemons(settings_.configurations)) {
-        asked->push_back({daemon.name, ask(daemon, "metrics", now, metrics_said, kPatience)});
+        all_asked->push_back(
+            {daemon.name, ask(daemon, "metrics", asked.now, metrics_said, kPatience)});
     }
-    return Late([asked]() -> std::optional<HttpAnswer> {
+    return Late([all_asked]() -> std::optional<HttpAnswer> {
         std::vector<DaemonMetrics> all;
-        for (const auto& [name, reply] : *asked) {
+        for (const auto& [name, reply] : *all_asked) {
             const Late* const late = std::get_if<Late>(&reply);
             const auto answer = late != nullptr ? (*late)() : std::get<HttpAnswer>(reply);
             if (!answer) {

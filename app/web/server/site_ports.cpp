@@ -15,6 +15,7 @@ namespace {
 constexpr Duration kDoctorPatience = std::chrono::seconds(60);
 /// A person who does not go on has left; the port is needed.
 constexpr Duration kLearnPatience = std::chrono::minutes(5);
+constexpr std::string_view kOthersLearn = "another browser is at it; it stops within 5 minutes";
 constexpr std::string_view kHelper = "the helper for ports";
 
 HttpAnswer broken_off(std::string_view why) {
@@ -24,49 +25,52 @@ HttpAnswer broken_off(std::string_view why) {
 }  // namespace
 
 /// Without a device it opens nothing.
-Site::Reply Site::doctor(const HttpRequest& request, Role role, Instant now) {
-    const auto device = text_in(request.body, "device");
-    if (device && role != Role::change) {
+Site::Reply Site::doctor(const Asked& asked) {
+    const std::string& body = asked.request.body;
+    const auto device = text_in(body, "device");
+    if (device && asked.visitor->role != Role::change) {
         return refused(403, "this browser may only look, not open ports");
     }
-    Json asked{{"verb", "doctor"}, {"seconds", number_in(request.body, "seconds").value_or(3)}};
+    Json order{{"verb", "doctor"}, {"seconds", number_in(body, "seconds").value_or(3)}};
     if (device) {
-        asked["device"] = *device;
+        order["device"] = *device;
     }
     auto helper = start_ports_helper(settings_.ports, settings_.configurations.string());
-    return ask(LineRequest(LineTalk(kHelper, std::move(helper)), asked.dump(),
-                           later(now, kDoctorPatience)),
+    return ask(LineRequest(LineTalk(kHelper, std::move(helper)), order.dump(),
+                           later(asked.now, kDoctorPatience)),
                as_it_is);
 }
 
-Site::Reply Site::learn(const HttpRequest& request, std::string_view verb, const Visitor& visitor,
-                        Instant now) {
-    if (visitor.role != Role::change) {
-        return refused(403, "this browser may only look, not open ports");
+bool Site::others_learn(const Visitor& visitor) const {
+    return learning_ && learning_->visitor != visitor.hash;
+}
+
+Site::Reply Site::stop_learning(const Asked& asked) {
+    if (others_learn(*asked.visitor)) {
+        return refused(409, kOthersLearn);
     }
-    if (learning_ && learning_->visitor != visitor.hash) {
-        return refused(409, "another browser is at it; it stops within 5 minutes");
-    }
-    if (verb == "start") {
-        return begin_learning(request, visitor, now);
-    }
-    if (verb == "stop") {
-        constexpr std::string_view kStopped = "Stopped; nothing was learned.";
-        end_learning(kStopped);
-        return broken_off(kStopped);
-    }
-    if (verb != "next") {
-        return refused(404, "learn has start, next and stop");
+    constexpr std::string_view kStopped = "Stopped; nothing was learned.";
+    end_learning(kStopped);
+    return broken_off(kStopped);
+}
+
+Site::Reply Site::go_on_learning(const Asked& asked) {
+    if (others_learn(*asked.visitor)) {
+        return refused(409, kOthersLearn);
     }
     if (!learning_ || learning_->awaits_step) {
         return refused(409, learning_ ? "the step before is not done yet"
                                       : "nothing is being learned any more; begin again");
     }
     learning_->talk.say("");
-    return next_step(now);
+    return next_step(asked.now);
 }
 
-Site::Reply Site::begin_learning(const HttpRequest& request, const Visitor& visitor, Instant now) {
+Site::Reply Site::begin_learning(const Asked& asked) {
+    const auto& [request, visitor, known, name, now] = asked;
+    if (others_learn(*visitor)) {
+        return refused(409, kOthersLearn);
+    }
     const auto daemon = text_in(request.body, "daemon");
     const auto input = text_in(request.body, "input");
     if (!daemon || !input || !find_known(settings_.configurations, *daemon)) {
@@ -75,7 +79,7 @@ Site::Reply Site::begin_learning(const HttpRequest& request, const Visitor& visi
     // The one before has to let its port go first.
     end_learning("Begun again.");
     learning_ = std::make_shared<Learning>(Learning{
-        .visitor = visitor.hash,
+        .visitor = visitor->hash,
         .talk = LineTalk(kHelper,
                          start_ports_helper(settings_.ports, settings_.configurations.string()))});
     learning_->talk.say(Json{{"verb", "learn"}, {"daemon", *daemon}, {"input", *input}}.dump());

@@ -12,36 +12,30 @@
 
 /// Recordings: their list, their pictures, their archives.
 namespace tribus::web {
-namespace {
 
-constexpr std::string_view kTarEnding = ".tar";
-constexpr std::string_view kPlotEnding = "/plot";
+Site::Reply Site::recordings(const Asked& asked) {
+    return with_recordings(asked.daemon, asked.now,
+                           [](const RecordingsPlace& place) { return recordings_answer(place); });
+}
 
-}  // namespace
-
-/// `what`: behind `recordings`.
-Site::Reply Site::look_at_recordings(const HttpRequest& request, const KnownDaemon& daemon,
-                                     std::string_view what, Instant now) {
-    if (what.empty()) {
-        return with_recordings(
-            daemon, now, [](const RecordingsPlace& place) { return recordings_answer(place); });
+Site::Reply Site::recording_tar(const Asked& asked) {
+    constexpr std::string_view kEnding = ".tar";
+    if (!asked.name.ends_with(kEnding)) {
+        return refused(404, "there is nothing of that name");
     }
-    what.remove_prefix(1);
-    if (what.ends_with(kTarEnding)) {
-        const std::string name(what.substr(0, what.size() - kTarEnding.size()));
-        return with_recordings(daemon, now, [name](const RecordingsPlace& place) -> Reply {
-            const auto recording = find_recording(place, name);
-            return recording ? recording_tar_answer(*recording) : recording.error();
+    const std::string name = asked.name.substr(0, asked.name.size() - kEnding.size());
+    return with_recordings(asked.daemon, asked.now, [name](const RecordingsPlace& place) -> Reply {
+        const auto recording = find_recording(place, name);
+        return recording ? recording_tar_answer(*recording) : recording.error();
+    });
+}
+
+Site::Reply Site::recording_plot(const Asked& asked) {
+    return with_recordings(
+        asked.daemon, asked.now,
+        [this, name = asked.name, query = asked.request.query](const RecordingsPlace& place) {
+            return begin_plot(place, name, query);
         });
-    }
-    if (what.ends_with(kPlotEnding)) {
-        const std::string name(what.substr(0, what.size() - kPlotEnding.size()));
-        return with_recordings(daemon, now,
-                               [this, name, query = request.query](const RecordingsPlace& place) {
-                                   return begin_plot(place, name, query);
-                               });
-    }
-    return refused(404, "there is nothing of that name");
 }
 
 /// The daemon says where its recordings are; without its answer, its configuration does.

@@ -68,7 +68,8 @@ std::optional<Site::Visitor> Site::visitor_with(std::string_view hash) {
     return session == nullptr ? std::nullopt : std::optional(Visitor{session->role, session->hash});
 }
 
-HttpAnswer Site::pair(const HttpRequest& request) {
+Site::Reply Site::pair(const Asked& asked) {
+    const HttpRequest& request = asked.request;
     const auto code = text_in(request.body, "code");
     if (!code) {
         return refused(400, "the code is missing");
@@ -95,9 +96,10 @@ HttpAnswer Site::pair(const HttpRequest& request) {
     return answer;
 }
 
-HttpAnswer Site::leave(const HttpRequest& request) {
-    const std::string name = cookie_name(request.host);
-    if (auto left = pairing_.leave(hash_of_cookie(cookie_value(request.cookie, name))); !left) {
+Site::Reply Site::leave(const Asked& asked) {
+    const std::string name = cookie_name(asked.request.host);
+    if (auto left = pairing_.leave(hash_of_cookie(cookie_value(asked.request.cookie, name)));
+        !left) {
         return refused(500, left.error());
     }
     HttpAnswer answer = json_answer(nlohmann::ordered_json::object());
@@ -121,16 +123,8 @@ DaemonWatch* Site::watch_of(const std::string& daemon) {
     return watch.get();
 }
 
-bool Site::begin_stream(SocketClient& client, const HttpRequest& request, std::string daemon,
-                        Instant now) {
-    const auto visitor = visitor_of(request);
-    const auto known = find_known(settings_.configurations, daemon);
-    if (!visitor || !known) {
-        return send_reply(client, request,
-                          !visitor ? refused(401, "this browser is not paired")
-                                   : refused(404, "there is no daemon of that name"),
-                          now);
-    }
+bool Site::begin_stream(SocketClient& client, const Asked& asked) {
+    const auto& [request, visitor, daemon, name, now] = asked;
     std::vector<std::shared_ptr<Stream>> own;
     for (const auto& one : streams_) {
         auto stream = one.lock();
@@ -142,7 +136,7 @@ bool Site::begin_stream(SocketClient& client, const HttpRequest& request, std::s
         own.front()->displaced = true;
     }
     auto stream = std::make_shared<Stream>();
-    stream->daemon = std::move(daemon);
+    stream->daemon = daemon.name;
     stream->visitor = visitor->hash;
     stream->looked_for_visitor = now;
     streams_.push_back(stream);

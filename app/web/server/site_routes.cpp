@@ -1,0 +1,157 @@
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <optional>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "app/web/answers/answers.h"
+#include "app/web/answers/checks.h"
+#include "app/web/server/site.h"
+#include "config/language/read_document.h"
+#include "config/language/read_file.h"
+#include "config/show/json_schema.h"
+
+/// What the page may ask (docs/web.md), and the answers that change nothing.
+namespace tribus::web {
+namespace {
+
+bool is_content_of(const std::filesystem::path& file, const std::string& text) {
+    const auto content = read_file(file, kMostConfigurationBytes, FileKinds::regular);
+    return content && *content == text;
+}
+
+}  // namespace
+
+std::span<const Site::SiteRoute> Site::routes() {
+    using enum Access;
+    static constexpr std::array kRoutes{
+        SiteRoute{{"POST", "/pair", anybody}, &Site::pair},
+        SiteRoute{{"POST", "/leave", anybody}, &Site::leave},
+        SiteRoute{{"GET", "/metrics", anybody}, &Site::metrics},
+        SiteRoute{{"GET", "/api/me", anybody}, &Site::me},
+        SiteRoute{{"GET", "/api/daemons", looks}, &Site::daemons},
+        SiteRoute{{"POST", "/api/doctor", looks}, &Site::doctor},
+        SiteRoute{{"POST", "/api/learn/start", changes}, &Site::begin_learning},
+        SiteRoute{{"POST", "/api/learn/next", changes}, &Site::go_on_learning},
+        SiteRoute{{"POST", "/api/learn/stop", changes}, &Site::stop_learning},
+        SiteRoute{{"GET", "/api/*/stream", looks}, nullptr},
+        SiteRoute{{"GET", "/api/*/status", looks}, &Site::status},
+        SiteRoute{{"GET", "/api/*/histograms", looks}, &Site::histograms},
+        SiteRoute{{"GET", "/api/*/configuration", looks}, &Site::configuration},
+        SiteRoute{{"GET", "/api/*/schema", looks}, &Site::schema},
+        SiteRoute{{"GET", "/api/*/graph.svg", looks}, &Site::running_picture},
+        SiteRoute{{"GET", "/api/*/history", looks}, &Site::history},
+        SiteRoute{{"GET", "/api/*/history/*", looks}, &Site::kept_file},
+        SiteRoute{{"GET", "/api/*/record/*", looks}, &Site::recording_state},
+        SiteRoute{{"GET", "/api/*/recordings", looks}, &Site::recordings},
+        SiteRoute{{"GET", "/api/*/recordings/*", looks}, &Site::recording_tar},
+        SiteRoute{{"GET", "/api/*/recordings/*/plot", looks}, &Site::recording_plot},
+        SiteRoute{{"POST", "/api/*/check", looks}, &Site::check},
+        SiteRoute{{"POST", "/api/*/graph", looks}, &Site::draft_picture},
+        SiteRoute{{"POST", "/api/*/diff", looks}, &Site::difference},
+        SiteRoute{{"POST", "/api/*/draft", changes}, &Site::begin_draft},
+        SiteRoute{{"POST", "/api/*/confirm", changes}, &Site::keep_draft},
+        SiteRoute{{"POST", "/api/*/back", changes}, &Site::take_draft_back},
+        SiteRoute{{"POST", "/api/*/save", changes}, &Site::save},
+        SiteRoute{{"POST", "/api/*/record", changes}, &Site::record},
+    };
+    return kRoutes;
+}
+
+std::vector<Route> Site::known_routes() {
+    std::vector<Route> known;
+    std::ranges::transform(routes(), std::back_inserter(known), &SiteRoute::route);
+    return known;
+}
+
+Site::Reply Site::daemons(const Asked& asked) {
+    Json list = Json::array();
+    for (const KnownDaemon& daemon : known_daemons(settings_.configurations)) {
+        const auto watch = watches_.find(daemon.name);
+        const bool hangs = watch != watches_.end() && !watch->second->problem(asked.now).empty();
+        list.push_back({{"name", daemon.name},
+                        {"state", daemon.tells.empty() ? "absent"
+                                  : hangs              ? "hung"
+                                                       : "running"},
+                        {"file", daemon.file.string()}});
+    }
+    return json_answer({{"daemons", std::move(list)}});
+}
+
+Site::Reply Site::status(const Asked& asked) {
+    return ask(asked.daemon, "status", asked.now, as_it_is);
+}
+
+Site::Reply Site::histograms(const Asked& asked) {
+    return ask(asked.daemon, "histograms", asked.now, as_it_is);
+}
+
+Site::Reply Site::configuration(const Asked& asked) {
+    return configuration_answer(asked.daemon.file);
+}
+
+Site::Reply Site::schema(const Asked& /*asked*/) {
+    return HttpAnswer{.content = json_schema()};
+}
+
+Site::Reply Site::running_picture(const Asked& asked) {
+    return ask(asked.daemon, "configuration", asked.now, picture_of_running);
+}
+
+Site::Reply Site::history(const Asked& asked) {
+    return history_answer(settings_.state / "history" / asked.daemon.name);
+}
+
+Site::Reply Site::kept_file(const Asked& asked) {
+    return kept_file_answer(settings_.state / "history" / asked.daemon.name, asked.name);
+}
+
+Site::Reply Site::recording_state(const Asked& asked) {
+    return ask(asked.daemon, fmt::format("record {}", asked.name), asked.now, as_it_is);
+}
+
+/// Judging a text changes nothing, but reads the files that it names: who may only look has the
+/// configuration judged as it stands.
+std::variant<std::string, HttpAnswer> Site::draft_in(const Asked& asked) const {
+    auto text = text_in(asked.request.body, "toml");
+    if (!text) {
+        return refused(400, "the text is missing");
+    }
+    if (asked.visitor->role != Role::change && !is_content_of(asked.daemon.file, *text)) {
+        return refused(403, "this browser may only look; `sudo tribus pair` lets it change");
+    }
+    return *std::move(text);
+}
+
+Site::Reply Site::check(const Asked& asked) {
+    auto draft = draft_in(asked);
+    const auto* const text = std::get_if<std::string>(&draft);
+    return text != nullptr ? json_answer(check_draft(*text, asked.daemon.file))
+                           : std::get<HttpAnswer>(std::move(draft));
+}
+
+Site::Reply Site::draft_picture(const Asked& asked) {
+    auto draft = draft_in(asked);
+    const auto* const text = std::get_if<std::string>(&draft);
+    return text != nullptr ? picture_of_draft(*text, asked.daemon.file)
+                           : std::get<HttpAnswer>(std::move(draft));
+}
+
+Site::Reply Site::difference(const Asked& asked) {
+    auto draft = draft_in(asked);
+    if (auto* const why = std::get_if<HttpAnswer>(&draft)) {
+        return std::move(*why);
+    }
+    const auto watch = watches_.find(asked.daemon.name);
+    const std::string status =
+        watch == watches_.end() ? std::string() : watch->second->fresh(asked.now);
+    return ask(asked.daemon, "configuration", asked.now,
+               [text = std::get<std::string>(std::move(draft)), file = asked.daemon.file,
+                status](const auto& json) { return difference_to(json, text, file, status); });
+}
+
+}  // namespace tribus::web

@@ -1,0 +1,116 @@
+#include <fstream>
+#include <map>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/loopback/web.h"
+
+/// Every address of the manual, asked with every method and origin by every kind of browser.
+namespace tribus::test::web_routes_test {
+namespace {
+
+struct Row {
+    std::string method;
+    std::string path;
+    std::string who;
+};
+
+class WebRoutes : public Web {
+  protected:
+    /// The table in docs/web.md, with the names of this test.
+    std::vector<Row> rows() const {
+        std::ifstream manual(TRIBUS_SOURCE_DIR "/docs/web.md");
+        const std::regex row(R"(\| `(GET|POST) (/[^`?]*)[^|]*\| (\w+) \|.*)");
+        std::vector<Row> all;
+        for (std::string line; std::getline(manual, line);) {
+            std::smatch parts;
+            if (std::regex_match(line, parts, row)) {
+                std::string path =
+                    std::regex_replace(parts[2].str(), std::regex("/N/"), "/" + name() + "/");
+                path = std::regex_replace(path, std::regex("ID|NUMBER"), "1");
+                all.push_back({parts[1], path, parts[3]});
+            }
+        }
+        return all;
+    }
+    std::map<std::string, std::string> page_of(const std::string& origin) const {
+        return {{"Content-Type", "application/json"}, {"X-Tribus", "1"}, {"Origin", origin}};
+    }
+};
+
+TEST_F(WebRoutes, AreForNobodyButWhomTheManualNames) {
+    run_daemon();
+    serve({"--metrics"});
+    const Browser stranger(port_);
+    const Browser looks = paired({"--look"});
+    const Browser changes = paired();
+    const std::string own = "http://" + changes.host();
+    ASSERT_GT(rows().size(), 25U);
+    for (const auto& [method, path, who] : rows()) {
+        const auto status = [&, method = method, path = path](const Browser& browser,
+                                                              const std::string& origin) {
+            const bool post = method == "POST";
+            return browser
+                .ask(method, path, post ? std::optional<std::string>("{}") : std::nullopt,
+                     post ? page_of(origin) : std::map<std::string, std::string>{})
+                .status;
+        };
+        if (who != "anybody") {
+            EXPECT_EQ(status(stranger, own), 401) << method << path;
+        }
+        if (who == "changes") {
+            EXPECT_EQ(status(looks, own), 403) << method << path;
+        }
+        if (method == "POST") {
+            EXPECT_EQ(status(changes, "http://evil.example"), 403) << path;
+            EXPECT_EQ(status(changes, "null"), 403) << path;
+        }
+    }
+}
+
+TEST_F(WebRoutes, HaveNoOtherMethods) {
+    run_daemon();
+    serve({"--metrics"});
+    const Browser browser = paired();
+    for (const auto& [method, path, who] : rows()) {
+        for (const std::string other : {"GET", "POST", "PUT", "DELETE", "PATCH", "OPTIONS"}) {
+            if (other != method) {
+                EXPECT_EQ(browser
+                              .ask(other, path,
+                                   other == "GET" ? std::nullopt : std::optional<std::string>("{}"),
+                                   page_of("http://" + browser.host()))
+                              .status,
+                          path == "/" ? 404 : 405)
+                    << other << path;
+            }
+        }
+    }
+}
+
+TEST_F(WebRoutes, ThatNoRowHasAreNotThere) {
+    run_daemon();
+    serve();
+    const Browser browser = paired();
+    for (const std::string& path :
+         {api("record/"), api("record/1/"), api("status/"), api("recordings/"), api("history/"),
+          api("recordings//plot"), api(""), std::string("/api/"), std::string("/api/daemons/"),
+          std::string("/api/me/x")}) {
+        EXPECT_EQ(browser.get(path).status, 404) << path;
+        EXPECT_EQ(browser.post(path, {{"trial", 1}}).status, 404) << path;
+    }
+}
+
+TEST_F(WebRoutes, FindAConfigurationWhoseNameHasBlanksAndUmlauts) {
+    std::ofstream(folder() / "mein Böötchen.toml") << main_job();
+    serve();
+    const Browser browser = paired();
+    const auto answer = browser.get("/api/mein%20B%C3%B6%C3%B6tchen/configuration");
+    EXPECT_EQ(answer.status, 200);
+    EXPECT_EQ(answer.content, main_job());
+}
+
+}  // namespace
+}  // namespace tribus::test::web_routes_test
