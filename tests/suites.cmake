@@ -11,8 +11,8 @@ set(costly Frames/CodecCounts Usual/RecordedLineAtAPort Usual/LineJudgeAtAPort N
 # there are processors run at a time, so that tests that wait run beside them.
 math(EXPR at_a_time "${processors} + 2")
 set(computed 0)
-set(leaving_processors chrt --idle 0)
-execute_process(COMMAND ${leaving_processors} true
+set(leaving_processors "${CMAKE_CURRENT_LIST_DIR}/support/leaving_processors")
+execute_process(COMMAND "${leaving_processors}" true
     RESULT_VARIABLE refused OUTPUT_QUIET ERROR_QUIET)
 if(refused)
     set(leaving_processors "")
@@ -37,7 +37,7 @@ function(add_suite_or_test name filter seconds)
         "MALLOC_MMAP_THRESHOLD_=1000000000;MALLOC_TRIM_THRESHOLD_=1000000000")
 endfunction()
 
-# add_computing_suite(NAME SUITE PROGRAM SECONDS): with the policy SCHED_IDLE.
+# add_computing_suite(NAME SUITE PROGRAM SECONDS): with what processors have left over.
 function(add_computing_suite name suite program seconds)
     add_suite_or_test("${name}" "${suite}.*" ${seconds} ${leaving_processors}
         "${program}")

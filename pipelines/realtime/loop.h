@@ -237,6 +237,9 @@ class Loop {
         Instant quiet_until = kNever;
         /// The link was reported as ready since the latest look at silent ports.
         bool reported = false;
+        /// It was read since then because the thread was late. A report may have been on its way,
+        /// so the next look would prove nothing.
+        bool caught_up = false;
         /// How many of these looks in a row found what was not reported.
         int unheard = 0;
     };

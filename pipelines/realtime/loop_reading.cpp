@@ -223,9 +223,12 @@ bool Loop::read_unreported(Port& port, Instant since, Instant now) {
         Port& port = ports_[index];
         const bool reads = port.link && port.link->descriptor() >= 0 &&
                            (port.link->as_can() != nullptr || wants_bytes(port.wiring.stations));
-        const bool looks =
-            reads && !std::exchange(port.reported, false) && port.quiet_until == kNever;
-        port.unheard = looks && read_unreported(port, since, now) ? port.unheard + 1 : 0;
+        const bool caught_up = std::exchange(port.caught_up, false);
+        if (!reads || std::exchange(port.reported, false) || port.quiet_until != kNever) {
+            port.unheard = 0;
+        } else if (!caught_up) {
+            port.unheard = read_unreported(port, since, now) ? port.unheard + 1 : 0;
+        }
     }
     publish_standing_port(now);
 }
@@ -276,8 +279,7 @@ ReadStatus Loop::catch_up_on_bytes(const PortWiring& wiring, ByteLink& link, Ins
         if (!port.link) {
             continue;
         }
-        // A report of what is read here may have been on its way.
-        port.reported = true;
+        port.caught_up = true;
         end_quiet(index);
         ReadStatus status = ReadStatus::nothing;
         if (CanLink* can = port.link->as_can()) {

@@ -17,7 +17,7 @@
 
 /// An authenticated link, on CAN FD or in classic frames, and somebody who keeps, repeats, changes,
 /// delays and invents its frames, while either end starts again.
-namespace tribus::fuzz {
+namespace tribus::fuzz::authenticated_link_target {
 namespace {
 
 using std::chrono::milliseconds;
@@ -226,14 +226,15 @@ class World {
 };
 
 }  // namespace
-}  // namespace tribus::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    tribus::fuzz::Input input({data, size});
+FUZZ_TARGET(authenticated_link) {
+    Input input({data, size});
     const bool fd = input.below(2) == 0;
-    tribus::fuzz::World world(fd, input.below(2) == 0);
-    for (std::size_t step = 0; step < tribus::fuzz::kMostSteps && !input.empty(); ++step) {
+    World world(fd, input.below(2) == 0);
+    for (std::size_t step = 0; step < kMostSteps && !input.empty(); ++step) {
         world.step(input);
     }
     return 0;
 }
+
+}  // namespace tribus::fuzz::authenticated_link_target

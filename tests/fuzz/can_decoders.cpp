@@ -10,7 +10,7 @@
 #include "tests/fuzz/fuzz.h"
 #include "transports/codecs/can_codec.h"
 
-namespace tribus::fuzz {
+namespace tribus::fuzz::can_decoders_target {
 namespace {
 
 /// One input of each kind that reads CAN, and outputs that send to them. The DBC inputs are
@@ -97,7 +97,7 @@ void add_ports(const Configuration& configuration, Bus& bus) {
     }
 }
 
-const Bus& bus() {
+const Bus& the_bus() {
     static const auto loaded = [] {
         std::vector<Configuration> all;
         all.push_back(load_configuration(kConfiguration, "fuzz.toml").value());
@@ -167,15 +167,12 @@ std::vector<CanFrame> spoken_by(FrameEncoder& speaker, Input& input, Instant now
 }
 
 }  // namespace
-}  // namespace tribus::fuzz
 
 /// Any frames of a bus: a decoder returns whole snapshots with values that a pulse can have, and
 /// its counters only grow.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace tribus;
-    using fuzz::require;
-    fuzz::Input input({data, size});
-    const fuzz::Bus& bus = fuzz::bus();
+FUZZ_TARGET(can_decoders) {
+    Input input({data, size});
+    const Bus& bus = the_bus();
     const InputConfig& config = *bus.readers[input.below(bus.readers.size())];
     const auto decoder = make_can_decoder(*config.protocol, config.settings);
     const OutputConfig& other = *bus.speakers[input.below(bus.speakers.size())];
@@ -186,8 +183,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         constexpr std::uint8_t kSpoken = 128;
         now = later(now, std::chrono::microseconds(input.byte()) * 100);
         const auto frames = input.byte() < kSpoken
-                                ? std::vector{fuzz::frame_from(input, decoder->wanted())}
-                                : fuzz::spoken_by(speaker, input, now);
+                                ? std::vector{frame_from(input, decoder->wanted())}
+                                : spoken_by(speaker, input, now);
         for (const CanFrame& frame : frames) {
             const auto snapshot = decoder->next(frame, now);
             require(!snapshot || snapshot->received <= now, "values are not from the future");
@@ -201,3 +198,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+}  // namespace tribus::fuzz::can_decoders_target

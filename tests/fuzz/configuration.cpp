@@ -9,6 +9,7 @@
 #include "config/show/effective.h"
 #include "tests/fuzz/fuzz.h"
 
+namespace tribus::fuzz::configuration_target {
 namespace {
 
 /// The folder of the DBC files that examples name.
@@ -58,10 +59,8 @@ std::string with_depth(std::string_view text) {
 
 /// A configuration is refused with mistakes that each have a text, or an engine can be built from
 /// it, and what `check` prints of it means the same.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace tribus;
-    using fuzz::require;
-    const std::string text = with_depth(fuzz::Input({data, size}).rest_as_text());
+FUZZ_TARGET(configuration) {
+    const std::string text = with_depth(Input({data, size}).rest_as_text());
     const auto configuration = load_configuration(text, kFile);
     if (!configuration) {
         require(!configuration.error().empty(), "what is refused has a mistake");
@@ -82,3 +81,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(effective_toml(*again) == effective, "what check prints is printed again");
     return 0;
 }
+
+}  // namespace tribus::fuzz::configuration_target

@@ -9,7 +9,7 @@
 #include "app/daemon/control_server.h"
 #include "tests/fuzz/fuzz.h"
 
-namespace tribus::fuzz {
+namespace tribus::fuzz::control_socket_target {
 namespace {
 
 /// The socket of a daemon, with one client at a time.
@@ -72,13 +72,10 @@ class Served {
 };
 
 }  // namespace
-}  // namespace tribus::fuzz
 
 /// For any request the answers are whole objects, one a line, and the client is let go.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace tribus;
-    using fuzz::require;
-    static fuzz::Served served;
+FUZZ_TARGET(control_socket) {
+    static Served served;
     const std::string said = served.answers({data, size});
     require(said.empty() || said.back() == '\n', "an answer is a whole line");
     for (std::size_t begin = 0; begin < said.size();) {
@@ -88,3 +85,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+}  // namespace tribus::fuzz::control_socket_target

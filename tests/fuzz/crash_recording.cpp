@@ -9,10 +9,8 @@
 #include "tests/fuzz/fuzz.h"
 #include "transports/recordings/recording.h"
 
+namespace tribus::fuzz::crash_recording_target {
 namespace {
-
-using namespace tribus;
-using fuzz::require;
 
 struct alignas(64) Line {
     std::array<std::byte, 64> bytes{};
@@ -70,8 +68,8 @@ void read_ring(std::span<const std::uint8_t> image, bool can) {
 
 /// Files that a crashed process left in memory: its plan, or the ring of a port, is refused, or the
 /// recording made from it stays in one folder and can be read.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    fuzz::Input input({data, size});
+FUZZ_TARGET(crash_recording) {
+    Input input({data, size});
     const std::size_t kind = input.below(3);
     if (kind == 0) {
         read_plan(input.rest_as_text());
@@ -80,3 +78,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+}  // namespace tribus::fuzz::crash_recording_target

@@ -5,12 +5,12 @@
 #include "transports/codecs/dbc/file.h"
 #include "transports/codecs/dbc/signal.h"
 
+namespace tribus::fuzz::dbc_file_target {
+
 /// A DBC text is refused with a place in it, or each of its signals can be read from a message and
 /// written into one.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace tribus;
-    using fuzz::require;
-    const std::string_view text = fuzz::Input({data, size}).rest_as_text();
+FUZZ_TARGET(dbc_file) {
+    const std::string_view text = Input({data, size}).rest_as_text();
     const auto file = parse_dbc(text);
     if (!file) {
         const auto lines = 1 + static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
@@ -36,3 +36,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+}  // namespace tribus::fuzz::dbc_file_target

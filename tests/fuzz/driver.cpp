@@ -20,7 +20,7 @@
 /// random. The same `--seed` gives the same inputs. An input that breaks a promise is left in a
 /// file.
 ///
-///     TARGET [--runs N] [--seed N] PATH...
+///     fuzz_targets TARGET [--runs N] [--seed N] PATH...
 ///
 /// A path is a file with one seed, a folder of such files, or a packed file of seeds (*.seeds).
 namespace {
@@ -43,9 +43,9 @@ void save_current(int number) {
     std::raise(number);
 }
 
-void run(const Bytes& input) {
+void run(tribus::fuzz::Target target, const Bytes& input) {
     current = &input;
-    LLVMFuzzerTestOneInput(input.data(), input.size());
+    target(input.data(), input.size());
 }
 
 /// Ends the program, because fewer seeds than there should be are a weaker test.
@@ -196,10 +196,15 @@ class Mutator {
 }  // namespace
 
 int main(int argc, char** argv) {
+    const auto& targets = tribus::fuzz::targets();
+    const auto target = targets.find(argc < 2 ? "" : argv[1]);
+    if (target == targets.end()) {
+        refuse(argc < 2 ? "TARGET" : argv[1], "is no target; tests/fuzz/README.md lists them");
+    }
     std::uint64_t runs = 1000;
     std::uint64_t seed = 1;
     std::vector<Bytes> seeds{{}};
-    for (int i = 1; i < argc; ++i) {
+    for (int i = 2; i < argc; ++i) {
         const std::string_view argument = argv[i];
         if ((argument == "--runs" || argument == "--seed") && i + 1 < argc) {
             (argument == "--runs" ? runs : seed) = std::strtoull(argv[++i], nullptr, 10);
@@ -212,11 +217,11 @@ int main(int argc, char** argv) {
     }
     for (Bytes& input : seeds) {
         input.resize(std::min(input.size(), kLongestInput));
-        run(input);
+        run(target->second, input);
     }
     Mutator mutator(seeds, seed);
     for (std::uint64_t i = 0; i < runs; ++i) {
-        run(mutator.next());
+        run(target->second, mutator.next());
     }
     std::printf("%zu seeds and %llu inputs made of them: every promise was kept\n", seeds.size(),
                 static_cast<unsigned long long>(runs));

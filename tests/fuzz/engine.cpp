@@ -13,7 +13,7 @@
 #include "tests/support/heap_trap.h"
 #include "transports/codecs/line_pauses.h"
 
-namespace tribus::fuzz {
+namespace tribus::fuzz::engine_target {
 namespace {
 
 constexpr Duration kTimeout = std::chrono::milliseconds(100);
@@ -337,12 +337,10 @@ class Play {
 };
 
 }  // namespace
-}  // namespace tribus::fuzz
 
 /// Whatever reaches the inputs at any time: outputs write only valid frames, mark values as stale
 /// once no input has sent them for too long, take no turn too many, and allocate nothing.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace tribus::fuzz;
+FUZZ_TARGET(engine) {
     static const auto loaded = configurations();
     Input script({data, size});
     Play play(loaded[script.below(loaded.size())], script);
@@ -351,3 +349,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(trap.allocations() == 0, "nothing is allocated after the start");
     return 0;
 }
+
+}  // namespace tribus::fuzz::engine_target

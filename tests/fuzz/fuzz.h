@@ -5,12 +5,14 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
 #include <span>
 #include <string_view>
 
-/// Shared code of the targets. Each target is one function, `LLVMFuzzerTestOneInput`, which takes
-/// any bytes and aborts if a promise is broken. libFuzzer calls it, or driver.cpp without
-/// libFuzzer.
+/// Shared code of the targets. Each target is one function, FUZZ_TARGET(NAME), which takes any
+/// bytes, `size` of them at `data`, aborts if a promise is broken, and returns 0. With libFuzzer
+/// each target is a program; without it they are one program, whose driver (driver.cpp) calls them
+/// by name.
 namespace tribus::fuzz {
 
 /// `promise` is the text for whoever finds it broken.
@@ -59,6 +61,22 @@ class Input {
     std::span<const std::uint8_t> bytes_;
 };
 
+using Target = int (*)(const std::uint8_t* data, std::size_t size);
+
+/// All targets of the program, by name.
+inline std::map<std::string_view, Target>& targets() {
+    static std::map<std::string_view, Target> all;
+    return all;
+}
+
 }  // namespace tribus::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+#ifdef TRIBUS_LIBFUZZER
+#define FUZZ_TARGET(name) \
+    extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+#else
+#define FUZZ_TARGET(name)                                                             \
+    static int run(const std::uint8_t* data, std::size_t size);                       \
+    [[maybe_unused]] static const bool known = targets().emplace(#name, &run).second; \
+    static int run(const std::uint8_t* data, std::size_t size)
+#endif

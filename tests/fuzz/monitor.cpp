@@ -10,6 +10,7 @@
 #include "config/load.h"
 #include "tests/fuzz/fuzz.h"
 
+namespace tribus::fuzz::monitor_target {
 namespace {
 
 /// Allows line ends and the escape sequences that erase and position. Colours are off.
@@ -34,10 +35,8 @@ bool is_text_and_own_escapes(std::string_view screen) {
 
 /// Whatever answers on the socket, and whatever keys are pressed: a monitor shows no more lines
 /// than fit, and only text and our own escape sequences reach the terminal.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace tribus;
-    using fuzz::require;
-    fuzz::Input input({data, size});
+FUZZ_TARGET(monitor) {
+    Input input({data, size});
     const ScreenStyle style{.columns = 20U + input.byte(),
                             .rows = 3U + input.byte() % 60U,
                             .unicode = input.byte() % 2 == 0,
@@ -78,3 +77,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     live_inputs(*configuration, view.status);
     return 0;
 }
+
+}  // namespace tribus::fuzz::monitor_target

@@ -3,11 +3,11 @@
 #include "tests/fuzz/fuzz.h"
 #include "transports/recordings/recording.h"
 
+namespace tribus::fuzz::recording_target {
+
 /// A recording of any kind is refused with a place in it, or its times never go back.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace tribus;
-    using fuzz::require;
-    fuzz::Input input({data, size});
+FUZZ_TARGET(recording) {
+    Input input({data, size});
     const std::string_view text = input.rest_as_text();
     const auto recording = parse_recording(text, "fuzz.txt");
     if (!recording) {
@@ -24,3 +24,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+}  // namespace tribus::fuzz::recording_target

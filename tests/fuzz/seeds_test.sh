@@ -1,9 +1,11 @@
 #!/bin/sh
 # Tests that the driver runs exactly the seeds that were added, and that it refuses a damaged file of
 # seeds: seeds_test.sh DRIVER
-# DRIVER is the driver with print_input.cpp as its target.
 set -eu
-driver=$1
+program=$1
+driver() {
+    "$program" print_input "$@"
+}
 . "$(dirname "$0")/seeds.sh"
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
@@ -21,7 +23,7 @@ expect() { # expect WHAT GOT WANTED
 # expect_refused SEEDS MESSAGE: the driver fails with it before it runs an input.
 expect_refused() {
     printf %b "$1" >damaged.seeds
-    if "$driver" --runs 0 damaged.seeds >/dev/null 2>message; then
+    if driver --runs 0 damaged.seeds >/dev/null 2>message; then
         expect "The driver's result for '$1'" "0, success" "a failure"
     fi
     grep -qF "damaged.seeds$2" message || expect "The message for '$1'" "$(cat message)" "$2"
@@ -48,12 +50,12 @@ cmp zero "unpacked/${zero% *}"
 cmp hello unpacked/by_hand
 
 # The driver begins with an empty input.
-expect "Inputs" "$("$driver" --runs 0 mine.seeds)" "
+expect "Inputs" "$(driver --runs 0 mine.seeds)" "
 00
 616263
 68656c6c6f
 4 seeds and 0 inputs made of them: every promise was kept"
-expect "Inputs from files" "$("$driver" --runs 0 unpacked)" "$("$driver" --runs 0 mine.seeds)"
+expect "Inputs from files" "$(driver --runs 0 unpacked)" "$(driver --runs 0 mine.seeds)"
 
 : >empty
 if add_seeds mine empty 2>message; then
@@ -61,6 +63,12 @@ if add_seeds mine empty 2>message; then
 fi
 expect "The message for an empty file" "$(cat message)" \
     "empty has 0 bytes; a seed has 1 to 8192. Nothing was added."
+
+if "$program" no_target --runs 0 mine.seeds >/dev/null 2>message; then
+    expect "The driver's result for no_target" "0, success" "a failure"
+fi
+expect "The message for no_target" "$(cat message)" \
+    "no_target: is no target; tests/fuzz/README.md lists them"
 
 expect_refused '' ': is empty or its last line is cut off'
 expect_refused 'a 00\nb 01' ': is empty or its last line is cut off'

@@ -6,7 +6,7 @@
 #include "transports/codecs/ibus_sensor/ibus_sensor.h"
 #include "transports/registry/registry.h"
 
-namespace tribus::fuzz {
+namespace tribus::fuzz::serial_decoders_target {
 namespace {
 
 /// Returns the serial protocols that can be read.
@@ -153,12 +153,10 @@ void decode_sensor_frames(std::span<const std::uint8_t> bytes, std::size_t piece
 }
 
 }  // namespace
-}  // namespace tribus::fuzz
 
 /// Bytes of a wire: the same frames come out however reads cut them. Each frame is within the
 /// received bytes, and no two overlap.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace tribus::fuzz;
+FUZZ_TARGET(serial_decoders) {
     Input input({data, size});
     static const auto protocols = readable();
     const std::size_t which = input.below(protocols.size() + 1);
@@ -176,3 +174,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(whole == pieces, "how reads cut a stream changes nothing");
     return 0;
 }
+
+}  // namespace tribus::fuzz::serial_decoders_target

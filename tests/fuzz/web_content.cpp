@@ -8,10 +8,8 @@
 #include "app/web/answers/checks.h"
 #include "tests/fuzz/fuzz.h"
 
+namespace tribus::fuzz::web_content_target {
 namespace {
-
-using namespace tribus;
-using fuzz::require;
 
 constexpr std::array kNames{"toml", "code", "name", "trial", "seconds"};
 /// A longer draft is the matter of the target `configuration`.
@@ -54,9 +52,11 @@ void answer_with(const std::string& body) {
 }  // namespace
 
 /// The content that a page posts, or that a daemon answers.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZ_TARGET(web_content) {
     const std::string body(reinterpret_cast<const char*>(data), size);
     look_at_members(body);
     answer_with(body);
     return 0;
 }
+
+}  // namespace tribus::fuzz::web_content_target

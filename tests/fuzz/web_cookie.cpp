@@ -10,10 +10,8 @@
 #include "app/web/http/http.h"
 #include "tests/fuzz/fuzz.h"
 
+namespace tribus::fuzz::web_cookie_target {
 namespace {
-
-using namespace tribus;
-using fuzz::require;
 
 constexpr std::string_view kName = "tribus_8480";
 
@@ -53,10 +51,12 @@ void read_host(std::string_view host) {
 }  // namespace
 
 /// The headers Cookie and Host with any content: one line a header.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZ_TARGET(web_cookie) {
     const std::string_view all(reinterpret_cast<const char*>(data), size);
     const std::size_t line_end = std::min(all.find('\n'), all.size());
     read_cookies(all.substr(0, line_end));
     read_host(all.substr(std::min(line_end + 1, all.size())));
     return 0;
 }
+
+}  // namespace tribus::fuzz::web_cookie_target

@@ -9,7 +9,7 @@
 #include "app/web/http/http.h"
 #include "tests/fuzz/fuzz.h"
 
-namespace tribus::fuzz {
+namespace tribus::fuzz::web_request_target {
 namespace {
 
 using web::HttpRefusal;
@@ -76,22 +76,22 @@ void look_at(const HttpRequest& request, std::size_t received) {
 }
 
 }  // namespace
-}  // namespace tribus::fuzz
 
 /// Bytes that a browser, or something that pretends to be one, sends: one or more requests of
 /// HTTP/1.1, each of which is taken, refused or waited for, however it is cut in pieces.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace tribus;
+FUZZ_TARGET(web_request) {
     std::string_view rest(reinterpret_cast<const char*>(data), size);
     while (!rest.empty()) {
         const auto parsed = web::parse_http(rest);
-        fuzz::arrive_in_pieces(rest, parsed);
+        arrive_in_pieces(rest, parsed);
         const auto* request = std::get_if<web::HttpRequest>(&parsed);
         if (request == nullptr) {
             break;
         }
-        fuzz::look_at(*request, rest.size());
+        look_at(*request, rest.size());
         rest.remove_prefix(request->bytes);
     }
     return 0;
 }
+
+}  // namespace tribus::fuzz::web_request_target

@@ -14,10 +14,11 @@ class Candump {
     /// kernel shows that candump is ready.
     Candump(const std::filesystem::path& folder, const std::string& interface);
 
-    /// Ends candump. Returns the log of everything that was on the bus.
+    /// Ends candump once it has logged what was on the bus before, and returns that.
     std::string log();
 
   private:
+    std::string interface_;
     Program program_;
 };
 
