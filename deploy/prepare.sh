@@ -12,7 +12,7 @@ package_packages="dpkg-dev file gzip lintian"
 # Packages that the tests need.
 test_libraries="libgmock-dev libgtest-dev librapidcheck-dev"
 test_packages="$test_libraries apt-utils fish gpg gpg-agent gpgv groff-base python3 python3-canmatrix
-    python3-jsonschema sigrok-cli systemd tshark zsh"
+    python3-jinja2 python3-jsonschema sigrok-cli systemd tshark zsh"
 # The first tier's tests on CAN (tests/lab): clients, and a kernel that is a program, which Debian
 # has for PCs only.
 test_packages="$test_packages can-utils iproute2 kmod mount"

@@ -1,12 +1,16 @@
 #include "app/mqtt/discovery.h"
 
+#include <algorithm>
 #include <array>
+#include <initializer_list>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "app/client/status_fields.h"
+#include "app/mqtt/escape.h"
 #include "app/mqtt/report.h"
 #include "core/link_cause.h"
 
@@ -41,58 +45,77 @@ std::string in_template(const std::string& text) {
     return quoted + "'";
 }
 
+/// The member of that name of a status in a template. A dot would find the method of a dict that
+/// has the name.
+std::string member(std::string_view kind, const std::string& name, std::string_view field) {
+    return fmt::format("value_json['{}'][{}]['{}']", kind, in_template(name), field);
+}
+
+std::string in_braces(const std::string& expression) {
+    return "{{ " + expression + " }}";
+}
+
+/// An id of Home Assistant, which takes [a-zA-Z0-9_-]: different parts make different ids.
+std::string id_of(std::initializer_list<std::string_view> parts) {
+    std::string id = "tribus";
+    for (const std::string_view part : parts) {
+        id += "--" + escaped(part, '-', "_");
+    }
+    return id;
+}
+
 /// Adds the components of one device.
 class Components {
   public:
-    Components(const DaemonTopics& topics, std::string device)
-        : topics_(topics), device_(std::move(device)) {}
+    Components(const DaemonTopics& topics, std::string board, std::string daemon)
+        : topics_(topics), board_(std::move(board)), daemon_(std::move(daemon)) {}
 
     void add_input(const std::string& name) {
-        const std::string input = fmt::format("value_json.inputs[{}]", in_template(name));
-        OrderedJson good = entity("binary_sensor", "input_" + name, "Input " + name);
+        OrderedJson good = entity("binary_sensor", "input", name, "Input " + name);
         good["device_class"] = "connectivity";
-        good["value_template"] = fmt::format("{{{{ 'ON' if {}.good else 'OFF' }}}}", input);
+        good["value_template"] =
+            fmt::format("{{{{ 'ON' if {} else 'OFF' }}}}", member("inputs", name, "good"));
         put(std::move(good));
-        OrderedJson cause =
-            entity("sensor", "input_" + name + "_cause", "Input " + name + " cause");
+        OrderedJson cause = entity("sensor", "cause", name, "Input " + name + " cause");
         cause["device_class"] = "enum";
         cause["options"] = cause_words();
-        cause["value_template"] = fmt::format("{{{{ {}.cause }}}}", input);
+        cause["value_template"] = in_braces(member("inputs", name, "cause"));
         put(std::move(cause));
     }
     void add_output(const std::string& name) {
-        OrderedJson state = entity("sensor", "output_" + name, "Output " + name);
+        OrderedJson state = entity("sensor", "output", name, "Output " + name);
         state["device_class"] = "enum";
         state["options"] = kOutputStates;
-        state["value_template"] =
-            fmt::format("{{{{ value_json.outputs[{}].state }}}}", in_template(name));
+        state["value_template"] = in_braces(member("outputs", name, "state"));
         put(std::move(state));
     }
     void add_value(const std::string& name, const std::string& unit) {
-        OrderedJson value = entity("sensor", "value_" + name, name);
+        OrderedJson value = entity("sensor", "value", name, name);
         value["state_class"] = "measurement";
         if (!unit.empty()) {
             value["unit_of_measurement"] = unit;
         }
         // A stale value is null, which Home Assistant shows as "unknown".
-        value["value_template"] =
-            fmt::format("{{{{ value_json.values[{}].number }}}}", in_template(name));
+        value["value_template"] = in_braces(member("values", name, "number"));
         put(std::move(value));
     }
     void add_events() {
-        OrderedJson event{
-            {"platform", "event"},          {"unique_id", device_ + "_event"}, {"name", "Event"},
-            {"event_types", event_types()}, {"state_topic", topics_.event},    {"qos", 1}};
+        OrderedJson event{{"platform", "event"},
+                          {"unique_id", id_of({board_, daemon_, "event"})},
+                          {"name", "Event"},
+                          {"event_types", event_types()},
+                          {"state_topic", topics_.event},
+                          {"qos", 1}};
         put(std::move(event));
     }
     OrderedJson take() { return std::move(components_); }
 
   private:
-    OrderedJson entity(std::string_view platform, const std::string& id,
-                       const std::string& name) const {
+    OrderedJson entity(std::string_view platform, std::string_view kind, std::string_view name,
+                       const std::string& shown) const {
         return {{"platform", platform},
-                {"unique_id", device_ + "_" + topic_level(id)},
-                {"name", name},
+                {"unique_id", id_of({board_, daemon_, kind, name})},
+                {"name", shown},
                 {"state_topic", topics_.status},
                 {"expire_after", kExpireAfterSeconds}};
     }
@@ -102,13 +125,10 @@ class Components {
     }
 
     const DaemonTopics& topics_;
-    std::string device_;
+    std::string board_;
+    std::string daemon_;
     OrderedJson components_ = OrderedJson::object();
 };
-
-std::string device_id(const std::string& board, const std::string& daemon) {
-    return fmt::format("tribus_{}_{}", topic_level(board), topic_level(daemon));
-}
 
 }  // namespace
 
@@ -124,14 +144,14 @@ DaemonTopics topics_of(const std::string& prefix, const std::string& board,
 
 std::string discovery_topic(const std::string& prefix, const std::string& board,
                             const std::string& daemon) {
-    return fmt::format("{}/device/{}/config", prefix, device_id(board, daemon));
+    return fmt::format("{}/device/{}/config", prefix, id_of({board, daemon}));
 }
 
 std::string discovery_payload(const DaemonTopics& topics, const std::string& board,
                               const nlohmann::json& status, const std::string& version) {
     const std::string daemon = raw_text(status, "name");
-    const std::string device = device_id(board, daemon);
-    Components components(topics, device);
+    const std::string device = id_of({board, daemon});
+    Components components(topics, board, daemon);
     for (const Json& input : list(status, "inputs")) {
         components.add_input(raw_text(input, "name"));
     }

@@ -22,6 +22,7 @@
 #include "app/mqtt/broker.h"
 #include "app/mqtt/broker_place.h"
 #include "app/mqtt/outbox.h"
+#include "app/mqtt/report.h"
 #include "config/language/read_file.h"
 #include "core/quotes.h"
 #include "pipelines/realtime/clock.h"
@@ -79,6 +80,15 @@ tl::expected<BrokerOptions, std::string> broker_options(const MqttOptions& optio
             "--broker {}: allowed: a name or an address, and a port from 1 to 65535, such as "
             "broker.local:8883",
             in_quotes(options.broker)));
+    }
+    for (const auto& [option, value] :
+         {std::pair("--prefix", &options.prefix), std::pair("--discovery", &options.discovery)}) {
+        if (!may_begin_topics(*value)) {
+            return tl::unexpected(fmt::format(
+                "{} {}: allowed: levels of a topic such as boats or home/boats, without blanks, + "
+                "and #",
+                option, in_quotes(*value)));
+        }
     }
     if (options.certificate.empty() != options.key.empty()) {
         return tl::unexpected(

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/client/status_fields.h"
+#include "app/mqtt/escape.h"
 
 namespace tribus::mqtt {
 namespace {
@@ -293,16 +294,18 @@ std::string event_payload(const Event& event, std::string_view id, bool late,
 }
 
 std::string topic_level(std::string_view name) {
-    std::string level(name);
-    std::ranges::replace_if(
-        level,
-        [](char c) {
-            const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-                               (c >= '0' && c <= '9') || c == '-' || c == '.';
-            return !plain;
-        },
-        '_');
-    return level.empty() ? "_" : level;
+    // No name is written so.
+    return name.empty() ? "%" : escaped(name, '%', "-._");
+}
+
+bool may_begin_topics(std::string_view text) {
+    // MQTT 5.0, 4.7: wildcards; topics that begin with $ are the broker's.
+    constexpr std::size_t kLongest = 64;
+    return text.size() <= kLongest && !text.empty() && !text.starts_with('$') &&
+           !text.starts_with('/') && !text.ends_with('/') &&
+           text.find("//") == std::string_view::npos &&
+           std::ranges::all_of(
+               text, [](unsigned char c) { return c > ' ' && c < 0x7F && c != '+' && c != '#'; });
 }
 
 }  // namespace tribus::mqtt

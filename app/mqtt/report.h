@@ -53,7 +53,11 @@ bool is_told(const Json& value);
 std::string event_payload(const Event& event, std::string_view id, bool late,
                           std::uint64_t lost_before, Instant now);
 
-/// A level of a topic: characters with a meaning in topics become "_".
+/// A level of a topic for that name, and for no other one: all but letters, digits, `-`, `.` and
+/// `_` is written as `%` and two hexadecimal digits a byte.
 std::string topic_level(std::string_view name);
+
+/// Whether the text may begin topics: levels of 1 to 64 characters, none with a meaning.
+bool may_begin_topics(std::string_view text);
 
 }  // namespace tribus::mqtt

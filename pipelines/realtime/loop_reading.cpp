@@ -219,8 +219,7 @@ bool Loop::read_unreported(Port& port, Instant since, Instant now) {
     if (since == Instant{}) {
         return;
     }
-    for (std::size_t index = 0; index < ports_.size(); ++index) {
-        Port& port = ports_[index];
+    for (Port& port : ports_) {
         const bool reads = port.link && port.link->descriptor() >= 0 &&
                            (port.link->as_can() != nullptr || wants_bytes(port.wiring.stations));
         const bool caught_up = std::exchange(port.caught_up, false);

@@ -167,7 +167,7 @@ class Told(unittest.TestCase):
         self.assertTrue(eventually(self.is_good), self.story())
 
     def test_home_assistant_gets_its_discovery_again_when_it_is_born(self):
-        topic = f"homeassistant/device/tribus_{BOARD}_{self.board.car}/config"
+        topic = f"homeassistant/device/tribus--{BOARD}--{self.board.car.replace('-', '-2D')}/config"
         self.assertTrue(eventually(lambda: self.reader.of(topic)))
         components = self.reader.objects(topic)[-1]["components"].values()
         topics = {component["state_topic"] for component in components}
@@ -268,6 +268,8 @@ class Refused(unittest.TestCase):
         for options, said in ((("--broker", "broker.local"), "--unencrypted"),
                               (("--broker", "mqtt://a"), "allowed: a name or an address"),
                               (("--certificate", "x"), "belong together"),
+                              (("--prefix", "a/#"), "--prefix \"a/#\": allowed: levels of a topic"),
+                              (("--discovery", "+"), "--discovery \"+\": allowed: levels"),
                               (("--user", "u", "--password-file", str(secret)), "--password-file"),
                               (("--ca", "/nowhere", "--broker", "a"), "cannot be used")):
             ran = subprocess.run([PROGRAMS / "tribus-mqtt", "run", *options], capture_output=True,

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <list>
 #include <map>
+#include <regex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -138,6 +139,9 @@ TEST_F(Web, ADraftIsCheckedComparedTriedAndKept) {
     EXPECT_EQ(post(browser, "confirm", {{"trial", trial}}).status, 409);
     const auto history = browser.get(api("history")).json()["files"];
     ASSERT_EQ(history.size(), 1U);
+    EXPECT_TRUE(std::regex_match(history[0]["time"].get<std::string>(),
+                                 std::regex(R"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ)")))
+        << history[0] << " is no time that a browser reads";
     EXPECT_EQ(browser.get(api("history/" + history[0]["id"].get<std::string>())).content, before);
     expect_first_channel(1900);
     expect_clean_end(daemon);

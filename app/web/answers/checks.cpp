@@ -55,6 +55,16 @@ tl::expected<Configuration, HttpAnswer> configuration_in(const std::string& runn
     return *std::move(configuration);
 }
 
+/// As RFC 3339 has it: an id has no colons, which some file systems do not take.
+std::string time_of(std::string id) {
+    constexpr std::string_view kForm = "2026-11-26T04-10-00Z";
+    if (id.size() == kForm.size()) {
+        id[kForm.find('-', kForm.find('T'))] = ':';
+        id[kForm.rfind('-')] = ':';
+    }
+    return id;
+}
+
 }  // namespace
 
 Json check_draft(const std::string& text, const fs::path& file) {
@@ -112,7 +122,7 @@ HttpAnswer configuration_answer(const fs::path& file) {
 HttpAnswer history_answer(const fs::path& folder) {
     Json list = Json::array();
     for (const KeptFile& file : kept_files(folder)) {
-        list.push_back({{"id", file.id}, {"bytes", file.bytes}});
+        list.push_back({{"id", file.id}, {"time", time_of(file.id)}, {"bytes", file.bytes}});
     }
     return json_answer({{"files", std::move(list)}});
 }

@@ -27,12 +27,12 @@ json discovered() {
 }
 
 TEST(MqttTopics, AreBelowTheBoardAndTheDaemon) {
-    EXPECT_EQ(kTopics.board_availability, "tribus/boat_1/availability");
-    EXPECT_EQ(kTopics.availability, "tribus/boat_1/servos/availability");
-    EXPECT_EQ(kTopics.status, "tribus/boat_1/servos/status");
-    EXPECT_EQ(kTopics.event, "tribus/boat_1/servos/event");
+    EXPECT_EQ(kTopics.board_availability, "tribus/boat%201/availability");
+    EXPECT_EQ(kTopics.availability, "tribus/boat%201/servos/availability");
+    EXPECT_EQ(kTopics.status, "tribus/boat%201/servos/status");
+    EXPECT_EQ(kTopics.event, "tribus/boat%201/servos/event");
     EXPECT_EQ(discovery_topic("homeassistant", "boat 1", "servos"),
-              "homeassistant/device/tribus_boat_1_servos/config");
+              "homeassistant/device/tribus--boat-201--servos/config");
 }
 
 TEST(Discovery, MakesADeviceWithInputsOutputsCausesValuesAndEvents) {
@@ -43,11 +43,36 @@ TEST(Discovery, MakesADeviceWithInputsOutputsCausesValuesAndEvents) {
         EXPECT_EQ(component["unique_id"], id);
         ids.insert(id);
     }
-    EXPECT_EQ(ids,
-              (std::set<std::string>{
-                  "tribus_boat_1_servos_event", "tribus_boat_1_servos_input_receiver",
-                  "tribus_boat_1_servos_input_receiver_cause", "tribus_boat_1_servos_output_servos",
-                  "tribus_boat_1_servos_value_it_s", "tribus_boat_1_servos_value_pack.voltage"}));
+    EXPECT_EQ(ids, (std::set<std::string>{"tribus--boat-201--servos--event",
+                                          "tribus--boat-201--servos--input--receiver",
+                                          "tribus--boat-201--servos--cause--receiver",
+                                          "tribus--boat-201--servos--output--servos",
+                                          "tribus--boat-201--servos--value--it-27s",
+                                          "tribus--boat-201--servos--value--pack-2Evoltage"}));
+}
+
+TEST(Discovery, HasOtherIdsForOtherNames) {
+    const auto ids = [](const std::string& board, const std::string& daemon, const json& names) {
+        json status{{"name", daemon}, {"inputs", json::array()}};
+        for (const auto& name : names) {
+            status["inputs"].push_back({{"name", name}});
+        }
+        const DaemonTopics topics = topics_of("tribus", board, daemon);
+        const json told = json::parse(discovery_payload(topics, board, status, "0.2.0"));
+        std::set<std::string> all;
+        for (const auto& [id, component] : told["components"].items()) {
+            all.insert(id);
+        }
+        return all;
+    };
+    EXPECT_EQ(ids("b", "d", {"a", "a_cause", "a b", "a-20b", "a.b", "a#b", "cause"}).size(),
+              7U * 2U + 1U);
+    std::set<std::string> together = ids("b", "d_input", {"a"});
+    together.merge(ids("b_d", "input", {"a"}));
+    together.merge(ids("b-", "d", {"a"}));
+    together.merge(ids("b", "-d", {"a"}));
+    together.merge(ids("b", "d", {"-a", "a"}));
+    EXPECT_EQ(together.size(), 4U * 3U + 5U);
 }
 
 TEST(Discovery, ExpiresWhateverIsToldEachSecond) {
@@ -63,29 +88,31 @@ TEST(Discovery, ExpiresWhateverIsToldEachSecond) {
 TEST(Discovery, IsAvailableOnlyWhileBridgeAndDaemonAre) {
     const json told = discovered();
     EXPECT_EQ(told["availability_mode"], "all");
-    EXPECT_EQ(told["availability"][0]["topic"], "tribus/boat_1/availability");
-    EXPECT_EQ(told["availability"][1]["topic"], "tribus/boat_1/servos/availability");
+    EXPECT_EQ(told["availability"][0]["topic"], "tribus/boat%201/availability");
+    EXPECT_EQ(told["availability"][1]["topic"], "tribus/boat%201/servos/availability");
     EXPECT_EQ(told["availability"].size(), 2U);
 }
 
 TEST(Discovery, NamesAllCausesAndStatesThatAStatusCanHave) {
     const json components = discovered()["components"];
-    EXPECT_EQ(components["tribus_boat_1_servos_input_receiver_cause"]["options"],
+    EXPECT_EQ(components["tribus--boat-201--servos--cause--receiver"]["options"],
               json::parse(R"(["good","never_seen","wire_silent","garbled","radio_lost","stale",
                               "implausible","channels_missing","no_key","forged","replayed",
                               "late","unproved"])"));
-    EXPECT_EQ(components["tribus_boat_1_servos_output_servos"]["options"],
+    EXPECT_EQ(components["tribus--boat-201--servos--output--servos"]["options"],
               json::parse(R"(["control","hold","failsafe","silent","cannot_send"])"));
 }
 
 TEST(Discovery, FindsEachPartOfAStatusByItsName) {
     const json components = discovered()["components"];
-    EXPECT_EQ(components["tribus_boat_1_servos_input_receiver"]["value_template"],
-              "{{ 'ON' if value_json.inputs['receiver'].good else 'OFF' }}");
-    EXPECT_EQ(components["tribus_boat_1_servos_value_it_s"]["value_template"],
-              R"({{ value_json.values['it\'s'].number }})");
-    EXPECT_EQ(components["tribus_boat_1_servos_value_pack.voltage"]["unit_of_measurement"], "V");
-    EXPECT_FALSE(components["tribus_boat_1_servos_value_it_s"].contains("unit_of_measurement"));
+    EXPECT_EQ(components["tribus--boat-201--servos--input--receiver"]["value_template"],
+              "{{ 'ON' if value_json['inputs']['receiver']['good'] else 'OFF' }}");
+    EXPECT_EQ(components["tribus--boat-201--servos--value--it-27s"]["value_template"],
+              R"({{ value_json['values']['it\'s']['number'] }})");
+    EXPECT_EQ(components["tribus--boat-201--servos--value--pack-2Evoltage"]["unit_of_measurement"],
+              "V");
+    EXPECT_FALSE(
+        components["tribus--boat-201--servos--value--it-27s"].contains("unit_of_measurement"));
 }
 
 TEST(BrokerPlaces, AreNamesAndAddressesWithOrWithoutAPort) {

@@ -1,6 +1,7 @@
 #include "app/mqtt/report.h"
 
 #include <chrono>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -182,9 +183,32 @@ TEST(MqttEvents, CarryTheirTimeTheirAgeAndWhetherTheyAreLate) {
 
 TEST(MqttTopics, HaveNoCharactersWithAMeaning) {
     EXPECT_EQ(topic_level("boat-1.local"), "boat-1.local");
-    EXPECT_EQ(topic_level("a/b+c#d e"), "a_b_c_d_e");
-    EXPECT_EQ(topic_level("$SYS"), "_SYS");
-    EXPECT_EQ(topic_level(""), "_");
+    EXPECT_EQ(topic_level("my_boat"), "my_boat");
+    EXPECT_EQ(topic_level("a/b+c#d e"), "a%2Fb%2Bc%23d%20e");
+    EXPECT_EQ(topic_level("$SYS"), "%24SYS");
+    EXPECT_EQ(topic_level("fähre"), "f%C3%A4hre");
+}
+
+TEST(MqttTopics, AreOthersForOtherNames) {
+    std::set<std::string> levels;
+    const Lines names{"",    "%",     "a b", "a#b",      "a+b",  "a/b", "a_b",
+                      "a-b", "a%20b", "a%b", "\xC3\xA4", "\xE4", "A_b", "%2520"};
+    for (const std::string& name : names) {
+        levels.insert(topic_level(name));
+    }
+    EXPECT_EQ(levels.size(), names.size());
+}
+
+TEST(MqttTopics, BeginWithPlainLevels) {
+    for (const char* const right : {"tribus", "home/boats", "a.b-c_d", "%41"}) {
+        EXPECT_TRUE(may_begin_topics(right)) << right;
+    }
+    for (const char* const wrong : {"", "a/#", "#", "+", "a/+/b", "a+", "/a", "a/", "a//b", "$SYS",
+                                    "$share/a", "a b", "a\n", "a\x7F", "b\xC3\xA4r"}) {
+        EXPECT_FALSE(may_begin_topics(wrong)) << wrong;
+    }
+    EXPECT_TRUE(may_begin_topics(std::string(64, 'a')));
+    EXPECT_FALSE(may_begin_topics(std::string(65, 'a')));
 }
 
 }  // namespace
