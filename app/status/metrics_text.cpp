@@ -1,7 +1,9 @@
 #include "app/status/metrics_text.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <string_view>
 #include <utility>
@@ -11,6 +13,7 @@
 
 #include "app/state_text/cause_text.h"
 #include "core/link_cause.h"
+#include "core/utf8.h"
 
 namespace tribus {
 namespace {
@@ -291,14 +294,22 @@ void add_values(Text& text, const StatusReport& report) {
 
 }  // namespace
 
-/// Backslash, quote and line feed are escaped (text format 0.0.4, "Line format").
+/// Backslash, quote and line feed are escaped (text format 0.0.4, "Line format"). A scraper refuses
+/// all of a text that is not UTF-8, so a byte of something else is shown as \xE4.
 std::string escaped_label(std::string_view text) {
     std::string out;
-    for (const char byte : text) {
-        out += byte == '\\'   ? std::string("\\\\")
-               : byte == '"'  ? std::string("\\\"")
-               : byte == '\n' ? std::string("\\n")
-                              : std::string(1, byte);
+    while (!text.empty()) {
+        const std::size_t length = utf8_length(text);
+        const char first = text.front();
+        if (length == 0) {
+            out += fmt::format("\\\\x{:02X}", static_cast<unsigned char>(first));
+        } else if (first == '\n') {
+            out += "\\n";
+        } else {
+            out += first == '\\' || first == '"' ? "\\" : "";
+            out += text.substr(0, length);
+        }
+        text.remove_prefix(std::max<std::size_t>(length, 1));
     }
     return out;
 }

@@ -30,6 +30,14 @@ TEST(MetricsOfAll, SaysWhichDaemonsAnswered) {
     EXPECT_NE(all.find("\ntribus_daemon_answers{daemon=\"car\"} 0\n"), std::string::npos) << all;
 }
 
+TEST(MetricsOfAll, NamesADaemonWhoseNameIsNoUtf8) {
+    const std::string all =
+        metrics_of_all({{"b\xE4r", ""}, {"bär", ""}, {"\xC3", ""}, {"\\\"\n", ""}});
+    for (const std::string label : {R"("b\\xE4r")", R"("bär")", R"("\\xC3")", R"("\\\"\n")"}) {
+        EXPECT_NE(all.find("{daemon=" + label + "} 1\n"), std::string::npos) << label << all;
+    }
+}
+
 TEST(MetricsOfAll, TakesATextThatBreaksOff) {
     for (const std::string text : {"# HELP tribus_a One.", "\n", "x", "# HELP a\n# TYPE a"}) {
         EXPECT_NE(metrics_of_all({{"boat", text}}).find(text), std::string::npos) << text;
