@@ -85,8 +85,9 @@ tl::expected<BrokerOptions, std::string> broker_options(const MqttOptions& optio
          {std::pair("--prefix", &options.prefix), std::pair("--discovery", &options.discovery)}) {
         if (!may_begin_topics(*value)) {
             return tl::unexpected(fmt::format(
-                "{} {}: allowed: levels of a topic such as boats or home/boats, without blanks, + "
-                "and #",
+                "{} {}: allowed: 1 to 64 letters without accents, digits and signs, in levels such "
+                "as "
+                "boats or home/boats; no blanks, + or #, no $ at the beginning, no empty level",
                 option, in_quotes(*value)));
         }
     }
@@ -199,12 +200,12 @@ std::vector<CommandOption> options_into(MqttOptions& options) {
              .value_name = "NAME"},
             {.name = "--prefix",
              .value = &options.prefix,
-             .help = "First level of the topics",
+             .help = "First levels of the topics",
              .shows_value = true,
              .value_name = "LEVEL"},
             {.name = "--discovery",
              .value = &options.discovery,
-             .help = "First level of Home Assistant's topics; off: no discovery",
+             .help = "First levels of Home Assistant's topics; off: no discovery",
              .shows_value = true,
              .value_name = "LEVEL"},
             {.name = "--tls",

@@ -71,7 +71,8 @@ TEST_F(WebPorts, DoctorOpensNoFileThatIsNoDevice) {
     const Browser browser = paired();
     const BrowserAnswer answer = post_to(browser, "/api/doctor", {{"device", file()}});
     EXPECT_EQ(answer.status, 502);
-    EXPECT_NE(answer.content.find("asks for nothing that this helper does"), std::string::npos)
+    EXPECT_NE(answer.content.find("the helper for ports opens a device below /dev"),
+              std::string::npos)
         << answer.content;
 }
 

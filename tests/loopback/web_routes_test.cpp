@@ -83,11 +83,23 @@ TEST_F(WebRoutes, HaveNoOtherMethods) {
                                    other == "GET" ? std::nullopt : std::optional<std::string>("{}"),
                                    page_of("http://" + browser.host()))
                               .status,
-                          path == "/" ? 404 : 405)
+                          405)
                     << other << path;
             }
         }
     }
+}
+
+TEST_F(WebRoutes, SayWhichMethodIsAllowedAndGiveHeadNoContent) {
+    serve();
+    const Browser browser(port_);
+    for (const std::string path : {"/", "/api/me"}) {
+        const auto answer = browser.ask("HEAD", path, std::nullopt);
+        EXPECT_EQ(answer.status, 405) << path;
+        EXPECT_EQ(answer.header("Allow"), "GET") << path;
+        EXPECT_EQ(answer.content, "") << path;
+    }
+    EXPECT_EQ(browser.ask("GET", "/pair", std::nullopt).header("Allow"), "POST");
 }
 
 TEST_F(WebRoutes, ThatNoRowHasAreNotThere) {
@@ -100,6 +112,9 @@ TEST_F(WebRoutes, ThatNoRowHasAreNotThere) {
           std::string("/api/me/x")}) {
         EXPECT_EQ(browser.get(path).status, 404) << path;
         EXPECT_EQ(browser.post(path, {{"trial", 1}}).status, 404) << path;
+    }
+    for (const char* const number : {"record/%20", "record/-1", "record/1%201", "record/x"}) {
+        EXPECT_EQ(browser.get(api(number)).status, 404) << number;
     }
 }
 

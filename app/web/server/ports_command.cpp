@@ -15,7 +15,7 @@
 #include "app/cli/object_text.h"
 #include "app/cli/plain_name.h"
 #include "app/web/answers/answers.h"
-#include "core/quotes.h"
+#include "core/utf8.h"
 
 namespace tribus::web {
 namespace {
@@ -42,6 +42,15 @@ bool is_device_or_interface(std::string_view device) {
     return true;
 }
 
+/// A file in the folder of configurations. The colon ends its name in what `learn` takes.
+bool is_configuration_name(std::string_view name) {
+    constexpr std::size_t kLongest = 250;
+    return !name.empty() && name.size() <= kLongest && name.front() != '.' && name.front() != '-' &&
+           is_utf8(name) && std::ranges::none_of(name, [](unsigned char c) {
+               return c == '/' || c == ':' || c < ' ' || c == 0x7F;
+           });
+}
+
 /// Byte by byte: what follows the line is for the program.
 std::string read_request() {
     std::string line;
@@ -62,7 +71,8 @@ int become(const std::string& configurations) {
     const auto program = program_for(request, configurations);
     if (!program) {
         return refuse(
-            fmt::format("{} asks for nothing that this helper does", in_quotes(request, 40)));
+            "the helper for ports opens a device below /dev or a CAN interface (doctor), and the "
+            "port of an input (learn), nothing else");
     }
     std::error_code error;
     const fs::path self = fs::read_symlink("/proc/self/exe", error);
@@ -100,7 +110,8 @@ std::optional<std::vector<std::string>> program_for(std::string_view request,
     }
     const auto daemon = text_in(text, "daemon");
     const auto input = text_in(text, "input");
-    if (verb == "learn" && daemon && input && is_plain_name(*daemon) && is_plain_name(*input)) {
+    if (verb == "learn" && daemon && input && is_configuration_name(*daemon) &&
+        is_plain_name(*input)) {
         return std::vector<std::string>{
             "learn", "--format", "json",
             fmt::format("{}:{}", (configurations / (*daemon + ".toml")).string(), *input)};

@@ -113,13 +113,18 @@ bool Site::answer_request(SocketClient& client, const HttpRequest& request, Inst
                : send_reply(client, request, (this->*found->answer)(asked), now);
 }
 
-HttpAnswer Site::of_no_route(const HttpRequest& request) {
+HttpAnswer Site::of_no_route(const HttpRequest& request) const {
     const auto other = std::ranges::find_if(routes(), [&](const SiteRoute& one) {
         return names_in(one.route, request.path).has_value();
     });
-    return other == routes().end()
-               ? refused(404, "there is nothing of that name")
-               : refused(405, fmt::format("only {} is for this path", other->route.method));
+    const bool file = files_.find(request.path) != nullptr && request.method != "GET";
+    if (other == routes().end() && !file) {
+        return refused(404, "there is nothing of that name");
+    }
+    const std::string_view method = file ? "GET" : other->route.method;
+    HttpAnswer answer = refused(405, fmt::format("only {} is for this path", method));
+    answer.headers = fmt::format("Allow: {}\r\n", method);
+    return answer;
 }
 
 bool Site::send_reply(SocketClient& client, const HttpRequest& request, Reply reply, Instant now) {
@@ -143,6 +148,9 @@ bool Site::send_reply(SocketClient& client, const HttpRequest& request, Reply re
     }
     HttpAnswer& answer = std::get<HttpAnswer>(reply);
     answer.keeps_open = keeps_open;
+    if (request.method == "HEAD") {
+        answer.content.clear();  // RFC 9110, 9.3.2
+    }
     client.follow_with(std::move(answer.source));
     return client.send(http_text(answer), now);
 }

@@ -146,7 +146,7 @@ class Site {
     Reply keep_draft(const Asked& asked);
     Reply take_draft_back(const Asked& asked);
 
-    static HttpAnswer of_no_route(const HttpRequest& request);
+    HttpAnswer of_no_route(const HttpRequest& request) const;
     HttpAnswer file_of_page(const HttpRequest& request) const;
     /// The draft in a request, which this visitor may have judged, or why not.
     std::variant<std::string, HttpAnswer> draft_in(const Asked& asked) const;

@@ -111,6 +111,9 @@ Site::Reply Site::kept_file(const Asked& asked) {
 }
 
 Site::Reply Site::recording_state(const Asked& asked) {
+    if (asked.name.find_first_not_of("0123456789") != std::string::npos) {
+        return refused(404, "a recording that was asked for has a number");
+    }
     return ask(asked.daemon, fmt::format("record {}", asked.name), asked.now, as_it_is);
 }
 

@@ -34,19 +34,38 @@ TEST(PortsHelper, BecomesLearnOfAnInputOfAConfiguration) {
               (Words{"learn", "--format", "json", "/etc/tribus/boat.toml:receiver_2"}));
 }
 
+TEST(PortsHelper, LearnsWithAConfigurationWhoseNameHasBlanksAndUmlauts) {
+    EXPECT_EQ(asked(R"({"verb":"learn","daemon":"mein Böötchen+","input":"receiver"})"),
+              (Words{"learn", "--format", "json", "/etc/tribus/mein Böötchen+.toml:receiver"}));
+}
+
 /// Whoever took the page's server over says what it likes.
 TEST(PortsHelper, DoesNothingElse) {
-    for (const char* request :
-         {"", "{", "[]", "null", R"({})", R"({"verb":"run"})", R"({"verb":["doctor"]})",
-          R"({"verb":"doctor","device":"/etc/shadow"})",
-          R"({"verb":"doctor","device":"/dev/../etc/shadow"})",
-          R"({"verb":"doctor","device":"/dev//x"})", R"({"verb":"doctor","device":""})",
-          R"({"verb":"doctor","device":"--format"})", R"({"verb":"doctor","device":"a b"})",
-          R"({"verb":"learn","daemon":"boat"})", R"({"verb":"learn","input":"receiver"})",
-          R"({"verb":"learn","daemon":"../boat","input":"receiver"})",
-          R"({"verb":"learn","daemon":"boat","input":"--recording"})",
-          R"({"verb":"learn","daemon":"-boat","input":"receiver"})",
-          R"({"verb":"learn","daemon":"boat","input":"a:b"})"}) {
+    for (const char* request : {"",
+                                "{",
+                                "[]",
+                                "null",
+                                R"({})",
+                                R"({"verb":"run"})",
+                                R"({"verb":["doctor"]})",
+                                R"({"verb":"doctor","device":"/etc/shadow"})",
+                                R"({"verb":"doctor","device":"/dev/../etc/shadow"})",
+                                R"({"verb":"doctor","device":"/dev//x"})",
+                                R"({"verb":"doctor","device":""})",
+                                R"({"verb":"doctor","device":"--format"})",
+                                R"({"verb":"doctor","device":"a b"})",
+                                R"({"verb":"learn","daemon":"boat"})",
+                                R"({"verb":"learn","input":"receiver"})",
+                                R"({"verb":"learn","daemon":"../boat","input":"receiver"})",
+                                R"({"verb":"learn","daemon":"boat","input":"--recording"})",
+                                R"({"verb":"learn","daemon":"-boat","input":"receiver"})",
+                                R"({"verb":"learn","daemon":".boat","input":"receiver"})",
+                                R"({"verb":"learn","daemon":"","input":"receiver"})",
+                                R"({"verb":"learn","daemon":"a/b","input":"receiver"})",
+                                R"({"verb":"learn","daemon":"a:b","input":"receiver"})",
+                                R"({"verb":"learn","daemon":"a\u0000b","input":"receiver"})",
+                                R"({"verb":"learn","daemon":"a\nb","input":"receiver"})",
+                                R"({"verb":"learn","daemon":"boat","input":"a:b"})"}) {
         EXPECT_EQ(asked(request), std::nullopt) << request;
     }
 }
