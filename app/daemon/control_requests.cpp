@@ -50,7 +50,7 @@ std::optional<std::string> outcome_of(const Daemon& daemon, std::optional<std::u
     return outcome ? std::optional(text(*outcome)) : std::nullopt;
 }
 
-/// Who cannot confirm needs the reason, which is one.
+/// A refusal to confirm has one reason, which is the error.
 std::string confirmed_text(const ReloadOutcome& outcome) {
     return outcome.taken ? outcome_text(outcome) : error_object(outcome.lines.front());
 }

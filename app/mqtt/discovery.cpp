@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 
 #include "app/client/status_fields.h"
-#include "app/mqtt/escape.h"
 #include "app/mqtt/report.h"
 #include "core/link_cause.h"
 

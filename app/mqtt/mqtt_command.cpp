@@ -33,6 +33,8 @@ namespace {
 constexpr int kPlainPort = 1883;
 constexpr int kTlsPort = 8883;
 constexpr std::size_t kMostPasswordBytes = 256;
+/// As long as a host name of Linux may be.
+constexpr std::size_t kMostBoardBytes = HOST_NAME_MAX;
 constexpr Duration kLookPeriod = std::chrono::milliseconds(250);
 constexpr Duration kSearchPeriod = std::chrono::seconds(2);
 constexpr std::pair<double, double> kEventRange{1, 100'000};
@@ -81,13 +83,17 @@ tl::expected<BrokerOptions, std::string> broker_options(const MqttOptions& optio
             "broker.local:8883",
             in_quotes(options.broker)));
     }
+    if (options.board.size() > kMostBoardBytes) {
+        return tl::unexpected(
+            fmt::format("--board: allowed: a name of at most {} bytes", kMostBoardBytes));
+    }
     for (const auto& [option, value] :
          {std::pair("--prefix", &options.prefix), std::pair("--discovery", &options.discovery)}) {
         if (!may_begin_topics(*value)) {
             return tl::unexpected(fmt::format(
-                "{} {}: allowed: 1 to 64 letters without accents, digits and signs, in levels such "
-                "as "
-                "boats or home/boats; no blanks, + or #, no $ at the beginning, no empty level",
+                "{} {}: allowed: 1 to 64 letters without accents, digits and signs, in levels "
+                "such as boats or home/boats; no blanks, + or #, no $ at the beginning, no empty "
+                "level",
                 option, in_quotes(*value)));
         }
     }

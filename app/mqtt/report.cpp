@@ -12,7 +12,6 @@
 #include <nlohmann/json.hpp>
 
 #include "app/client/status_fields.h"
-#include "app/mqtt/escape.h"
 
 namespace tribus::mqtt {
 namespace {
@@ -293,8 +292,19 @@ std::string event_payload(const Event& event, std::string_view id, bool late,
     return one_line(json);
 }
 
+std::string escaped(std::string_view name, char mark, std::string_view kept) {
+    std::string text;
+    for (const char c : name) {
+        const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                           (c >= '0' && c <= '9') || kept.find(c) != std::string_view::npos;
+        text += plain ? std::string(1, c)
+                      : fmt::format("{}{:02X}", mark, static_cast<unsigned char>(c));
+    }
+    return text;
+}
+
 std::string topic_level(std::string_view name) {
-    // No name is written so.
+    // No other name is written so.
     return name.empty() ? "%" : escaped(name, '%', "-._");
 }
 

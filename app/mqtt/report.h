@@ -53,11 +53,17 @@ bool is_told(const Json& value);
 std::string event_payload(const Event& event, std::string_view id, bool late,
                           std::uint64_t lost_before, Instant now);
 
-/// A level of a topic for that name, and for no other one: all but letters, digits, `-`, `.` and
-/// `_` is written as `%` and two hexadecimal digits a byte.
+/// The name with letters, digits and the characters of `kept` as they are; each other byte becomes
+/// `mark` and two hexadecimal digits, so different names stay different. `kept` must not have
+/// `mark`.
+std::string escaped(std::string_view name, char mark, std::string_view kept);
+
+/// A level of a topic for that name, and for no other one: `escaped` with `%`; `-`, `.` and `_`
+/// stay.
 std::string topic_level(std::string_view name);
 
-/// Whether the text may begin topics: levels of 1 to 64 characters, none with a meaning.
+/// Whether topics may begin with the text: levels with 1 to 64 characters of ASCII together, none
+/// of which has a meaning for a broker.
 bool may_begin_topics(std::string_view text);
 
 }  // namespace tribus::mqtt

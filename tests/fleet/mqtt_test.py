@@ -269,6 +269,7 @@ class Refused(unittest.TestCase):
                               (("--broker", "mqtt://a"), "allowed: a name or an address"),
                               (("--certificate", "x"), "belong together"),
                               (("--prefix", "a/#"), "--prefix \"a/#\": allowed: levels of a topic"),
+                              (("--board", "b" * 65), "--board: allowed: a name of at most 64"),
                               (("--discovery", "+"), "--discovery \"+\": allowed: levels"),
                               (("--user", "u", "--password-file", str(secret)), "--password-file"),
                               (("--ca", "/nowhere", "--broker", "a"), "cannot be used")):

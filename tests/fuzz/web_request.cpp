@@ -7,6 +7,8 @@
 
 #include "app/web/http/access.h"
 #include "app/web/http/http.h"
+#include "app/web/server/site.h"
+#include "core/utf8.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace tribus::fuzz::web_request_target {
@@ -72,6 +74,13 @@ void look_at(const HttpRequest& request, std::size_t received) {
          {&request.method, &request.path, &request.query, &request.host, &request.cookie}) {
         require(text->find_first_of(std::string_view("\r\n\0", 3)) == std::string::npos,
                 "a part stands in one line, without zero bytes");
+    }
+    for (const web::Route& route : web::Site::known_routes()) {
+        if (const auto names = web::names_in(route, request.path)) {
+            require(std::ranges::all_of(*names, is_utf8), "a name in a path is a text");
+            require(names->front().empty() == (route.path.find('*') == std::string_view::npos),
+                    "no name is empty");
+        }
     }
 }
 

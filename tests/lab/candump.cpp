@@ -18,8 +18,8 @@ Candump::Candump(const std::filesystem::path& folder, const std::string& interfa
     })) << program_.errors();
 }
 
-// On a busy machine candump is seconds behind, and a signal ends it at once. It also keeps what
-// fills no block of a file yet, so the mark follows until it shows.
+// On a busy machine candump is seconds behind, and a signal ends it at once. It writes whole blocks
+// only, so marks follow until one shows.
 std::string Candump::log() {
     constexpr std::uint32_t kMarkId = 0x1FEDCBA9;
     constexpr const char* kMark = " 1FEDCBA9#";

@@ -51,9 +51,9 @@ execute_process(RESULT_VARIABLE without_can OUTPUT_QUIET ERROR_QUIET
 # can_group(GROUP LONG|"" NUMBER PROGRAM FILTER): on the host's own kernel if it has virtual CAN,
 # else in a guest. Tests that need a machine of their own are skipped on the host's.
 #
-# A processor has one guest at a time: several take turns so often that each needs many times as long,
-# and most of the processor from other tests, because each is a session and many kernels share
-# processors among sessions first.
+# A processor has one guest at a time. Several guests take turns so often that each needs many times as
+# long, and they leave little to other tests: each guest is a session, and many kernels share processors
+# among sessions first.
 cmake_host_system_information(RESULT lab_processors QUERY NUMBER_OF_LOGICAL_CORES)
 function(can_group group long number program filter)
     string(TOLOWER "${long}" label)

@@ -7,32 +7,20 @@
 #include <gtest/gtest.h>
 
 #include "tests/loopback/web.h"
+#include "tests/support/manual_routes.h"
 
 /// Every address of the manual, asked with every method and origin by every kind of browser.
 namespace tribus::test::web_routes_test {
 namespace {
 
-struct Row {
-    std::string method;
-    std::string path;
-    std::string who;
-};
-
 class WebRoutes : public Web {
   protected:
-    /// The table in docs/web.md, with the names of this test.
-    std::vector<Row> rows() const {
-        std::ifstream manual(TRIBUS_SOURCE_DIR "/docs/web.md");
-        const std::regex row(R"(\| `(GET|POST) (/[^`?]*)[^|]*\| (\w+) \|.*)");
-        std::vector<Row> all;
-        for (std::string line; std::getline(manual, line);) {
-            std::smatch parts;
-            if (std::regex_match(line, parts, row)) {
-                std::string path =
-                    std::regex_replace(parts[2].str(), std::regex("/N/"), "/" + name() + "/");
-                path = std::regex_replace(path, std::regex("ID|NUMBER"), "1");
-                all.push_back({parts[1], path, parts[3]});
-            }
+    /// The manual's table, with the names of this test.
+    std::vector<ManualRoute> rows() const {
+        std::vector<ManualRoute> all = manual_routes();
+        for (ManualRoute& row : all) {
+            row.path = std::regex_replace(row.path, std::regex("/N/"), "/" + name() + "/");
+            row.path = std::regex_replace(row.path, std::regex("ID|NUMBER"), "1");
         }
         return all;
     }

@@ -10,8 +10,8 @@
 #include "app/mqtt/report.h"
 #include "tests/support/shell.h"
 
-/// What Home Assistant makes of our messages: the template engine that it uses renders them
-/// (Debian: python3-jinja2), and ids are as its documentation of MQTT discovery allows.
+/// The template engine that Home Assistant uses (Debian: python3-jinja2) renders our messages, and
+/// ids are as its documentation of MQTT discovery allows.
 namespace tribus::test::home_assistant_test {
 namespace {
 

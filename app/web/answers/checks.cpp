@@ -55,13 +55,10 @@ tl::expected<Configuration, HttpAnswer> configuration_in(const std::string& runn
     return *std::move(configuration);
 }
 
-/// As RFC 3339 has it: an id has no colons, which some file systems do not take.
+/// The time of an id as RFC 3339 writes it. An id has no colons, because some file systems refuse
+/// them.
 std::string time_of(std::string id) {
-    constexpr std::string_view kForm = "2026-11-26T04-10-00Z";
-    if (id.size() == kForm.size()) {
-        id[kForm.find('-', kForm.find('T'))] = ':';
-        id[kForm.rfind('-')] = ':';
-    }
+    std::replace(std::ranges::find(id, 'T'), id.end(), '-', ':');
     return id;
 }
 

@@ -23,8 +23,9 @@ HttpAnswer difference_to(const std::string& running, const std::string& text,
 
 /// The file as it stands, with its fingerprint as ETag.
 HttpAnswer configuration_answer(const std::filesystem::path& file);
-/// The list of earlier configurations, or the one that `rest` (`/ID`) names.
+/// The list of earlier configurations.
 HttpAnswer history_answer(const std::filesystem::path& folder);
+/// The text of one of them.
 HttpAnswer kept_file_answer(const std::filesystem::path& folder, std::string_view id);
 
 }  // namespace tribus::web

@@ -74,7 +74,7 @@ std::optional<HttpRefusal> why_not(const Route& route, const HttpRequest& reques
         }
     }
     if (route.access == Access::changes && role != Role::change) {
-        return HttpRefusal{403, "this browser may only look; `sudo tribus pair` lets it change"};
+        return HttpRefusal{403, std::string(kMayOnlyLook)};
     }
     return std::nullopt;
 }

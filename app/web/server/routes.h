@@ -21,15 +21,18 @@ enum class Access : std::uint8_t {
 
 struct Route {
     std::string_view method;  ///< GET changes nothing; POST is for pages of our own (access.h)
-    std::string_view path;    ///< a part `*` stands for any name
+    std::string_view path;    ///< a part `*` stands for any name; at most two
     Access access = Access::changes;
 };
 
-/// What the parts `*` of a path are, decoded (RFC 3986, 2.1), in their order.
+/// Names that stand for the parts `*` of a path, decoded (RFC 3986, 2.1), in their order.
 using PathNames = std::array<std::string, 2>;
 
 /// The names, if the path is one of that route. A name is not empty and is UTF-8.
 std::optional<PathNames> names_in(const Route& route, std::string_view path);
+
+inline constexpr std::string_view kMayOnlyLook =
+    "this browser may only look; `sudo tribus pair` lets it change";
 
 /// Why the request is refused; nothing if this role may make it. `role`: nothing for a browser that
 /// is not paired.

@@ -86,21 +86,24 @@ bool Site::answer_request(SocketClient& client, const HttpRequest& request, Inst
             refused(403, "the request comes from a page of another address", request.keeps_open),
             now);
     }
-    std::optional<PathNames> names;
-    const auto found = std::ranges::find_if(routes(), [&](const SiteRoute& one) {
-        names =
-            one.route.method == request.method ? names_in(one.route, request.path) : std::nullopt;
-        return names.has_value();
-    });
-    if (found == routes().end()) {
-        return send_reply(client, request, api ? of_no_route(request) : file_of_page(request), now);
+    for (const SiteRoute& one : routes()) {
+        if (one.route.method == request.method) {
+            if (const auto names = names_in(one.route, request.path)) {
+                return answer_route(client, request, one, *names, now);
+            }
+        }
     }
+    return send_reply(client, request, api ? of_no_route(request) : file_of_page(request), now);
+}
+
+bool Site::answer_route(SocketClient& client, const HttpRequest& request, const SiteRoute& one,
+                        const PathNames& names, Instant now) {
     const auto visitor = visitor_of(request);
     if (const auto why =
-            why_not(found->route, request, visitor ? std::optional(visitor->role) : std::nullopt)) {
+            why_not(one.route, request, visitor ? std::optional(visitor->role) : std::nullopt)) {
         return send_reply(client, request, refused(why->status, why->why), now);
     }
-    const auto& [first, last] = *names;
+    const auto& [first, last] = names;
     const auto daemon = first.empty() ? KnownDaemon{} : find_known(settings_.configurations, first);
     if (!daemon) {
         return send_reply(client, request,
@@ -108,9 +111,8 @@ bool Site::answer_request(SocketClient& client, const HttpRequest& request, Inst
                           now);
     }
     const Asked asked{request, visitor, *daemon, last, now};
-    return found->answer == nullptr
-               ? begin_stream(client, asked)
-               : send_reply(client, request, (this->*found->answer)(asked), now);
+    return one.answer == nullptr ? begin_stream(client, asked)
+                                 : send_reply(client, request, (this->*one.answer)(asked), now);
 }
 
 HttpAnswer Site::of_no_route(const HttpRequest& request) const {

@@ -14,6 +14,8 @@
 #include <variant>
 #include <vector>
 
+#include <tl/expected.hpp>
+
 #include "app/client/socket_client.h"
 #include "app/web/answers/daemons.h"
 #include "app/web/answers/plot_job.h"
@@ -55,7 +57,7 @@ class Site {
     /// Whether a page looks or waits.
     bool in_use() const { return !streams_.empty() || !pending_.empty() || learning_ || plotting_; }
 
-    /// What may be asked beside files of the page, and by whom.
+    /// All that may be asked beside files of the page, and who may ask it.
     static std::vector<Route> known_routes();
 
     static constexpr std::size_t kStreamsOfOneBrowser = 4;
@@ -103,7 +105,7 @@ class Site {
         std::optional<HttpAnswer> step{};
     };
 
-    /// What a route is asked for.
+    /// A request for a route.
     struct Asked {
         const HttpRequest& request;
         const std::optional<Visitor>& visitor;  ///< set where the route is not for anybody
@@ -116,6 +118,8 @@ class Site {
         Reply (Site::*answer)(const Asked& asked) = nullptr;  ///< null: a stream
     };
     static std::span<const SiteRoute> routes();
+    bool answer_route(SocketClient& client, const HttpRequest& request, const SiteRoute& one,
+                      const PathNames& names, Instant now);
 
     Reply me(const Asked& asked);
     Reply pair(const Asked& asked);
@@ -149,7 +153,7 @@ class Site {
     HttpAnswer of_no_route(const HttpRequest& request) const;
     HttpAnswer file_of_page(const HttpRequest& request) const;
     /// The draft in a request, which this visitor may have judged, or why not.
-    std::variant<std::string, HttpAnswer> draft_in(const Asked& asked) const;
+    static tl::expected<std::string, HttpAnswer> draft_in(const Asked& asked);
     Reply with_recordings(const KnownDaemon& daemon, Instant now,
                           std::function<Reply(const RecordingsPlace&)> go_on);
     Reply begin_plot(const RecordingsPlace& place, const std::string& name,

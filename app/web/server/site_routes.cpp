@@ -1,9 +1,10 @@
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <iterator>
 #include <optional>
+#include <tuple>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
@@ -15,7 +16,7 @@
 #include "config/language/read_file.h"
 #include "config/show/json_schema.h"
 
-/// What the page may ask (docs/web.md), and the answers that change nothing.
+/// The routes of the page (docs/web.md), and the answers that change nothing.
 namespace tribus::web {
 namespace {
 
@@ -59,6 +60,10 @@ std::span<const Site::SiteRoute> Site::routes() {
         SiteRoute{{"POST", "/api/*/save", changes}, &Site::save},
         SiteRoute{{"POST", "/api/*/record", changes}, &Site::record},
     };
+    static_assert(std::ranges::all_of(kRoutes, [](const SiteRoute& one) {
+        return std::ranges::count(one.route.path, '*') <=
+               static_cast<std::ptrdiff_t>(std::tuple_size_v<PathNames>);
+    }));
     return kRoutes;
 }
 
@@ -119,42 +124,39 @@ Site::Reply Site::recording_state(const Asked& asked) {
 
 /// Judging a text changes nothing, but reads the files that it names: who may only look has the
 /// configuration judged as it stands.
-std::variant<std::string, HttpAnswer> Site::draft_in(const Asked& asked) const {
+tl::expected<std::string, HttpAnswer> Site::draft_in(const Asked& asked) {
     auto text = text_in(asked.request.body, "toml");
     if (!text) {
-        return refused(400, "the text is missing");
+        return tl::unexpected(refused(400, "the text is missing"));
     }
     if (asked.visitor->role != Role::change && !is_content_of(asked.daemon.file, *text)) {
-        return refused(403, "this browser may only look; `sudo tribus pair` lets it change");
+        return tl::unexpected(refused(403, kMayOnlyLook));
     }
     return *std::move(text);
 }
 
 Site::Reply Site::check(const Asked& asked) {
-    auto draft = draft_in(asked);
-    const auto* const text = std::get_if<std::string>(&draft);
-    return text != nullptr ? json_answer(check_draft(*text, asked.daemon.file))
-                           : std::get<HttpAnswer>(std::move(draft));
+    const auto draft = draft_in(asked);
+    return draft ? json_answer(check_draft(*draft, asked.daemon.file)) : draft.error();
 }
 
 Site::Reply Site::draft_picture(const Asked& asked) {
-    auto draft = draft_in(asked);
-    const auto* const text = std::get_if<std::string>(&draft);
-    return text != nullptr ? picture_of_draft(*text, asked.daemon.file)
-                           : std::get<HttpAnswer>(std::move(draft));
+    const auto draft = draft_in(asked);
+    return draft ? picture_of_draft(*draft, asked.daemon.file) : draft.error();
 }
 
 Site::Reply Site::difference(const Asked& asked) {
-    auto draft = draft_in(asked);
-    if (auto* const why = std::get_if<HttpAnswer>(&draft)) {
-        return std::move(*why);
+    const auto draft = draft_in(asked);
+    if (!draft) {
+        return draft.error();
     }
     const auto watch = watches_.find(asked.daemon.name);
     const std::string status =
         watch == watches_.end() ? std::string() : watch->second->fresh(asked.now);
     return ask(asked.daemon, "configuration", asked.now,
-               [text = std::get<std::string>(std::move(draft)), file = asked.daemon.file,
-                status](const auto& json) { return difference_to(json, text, file, status); });
+               [draft = *draft, file = asked.daemon.file, status](const auto& json) {
+                   return difference_to(json, draft, file, status);
+               });
 }
 
 }  // namespace tribus::web

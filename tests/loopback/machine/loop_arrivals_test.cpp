@@ -68,11 +68,22 @@ class PipeLink : public ByteLink {
     UniqueFd other_;
 };
 
-/// An input of i.Bus that reads from a pipe. Its output has no device. The test plays the thread of
-/// a GPIO line that forces failsafe.
+/// Each frame of the output takes so long that the thread is late for all that follows.
+class SlowLink : public PipeLink {
+  public:
+    SlowLink() : PipeLink(UniqueFd(), Reports::nothing) {}
+    WriteStatus write(std::span<const std::uint8_t> /*frame*/) override {
+        std::this_thread::sleep_for(20ms);
+        return WriteStatus::written;
+    }
+};
+
+/// An input of i.Bus that reads from a pipe. Its output has no device unless it is given one. The
+/// test plays the thread of a GPIO line that forces failsafe.
 class LoopArrivals : public testing::Test {
   protected:
-    explicit LoopArrivals(Reports reports = Reports::each_arrival) {
+    explicit LoopArrivals(Reports reports = Reports::each_arrival,
+                          std::unique_ptr<Link> servos = nullptr) {
         const auto configuration = load_configuration(
             "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"/dev/pipe\"\n"
             "[output.servos]\nprotocol = \"sbus\"\ndevice = \"/dev/none\"\n"
@@ -86,7 +97,7 @@ class LoopArrivals : public testing::Test {
         for (PortPlan& plan : plan_ports(*configuration)) {
             const bool reads = plan.config.device == "/dev/pipe";
             links.push_back(reads ? std::make_unique<PipeLink>(std::move(pipe_.out), reports)
-                                  : nullptr);
+                                  : std::move(servos));
             plan.wiring.byte_time = {};
             wiring.push_back(std::move(plan.wiring));
         }
@@ -166,6 +177,23 @@ TEST_F(UnreportedArrivals, AreReadOnceASecondAndToldAsAFault) {
     EXPECT_EQ(loop_->standing_port().port, 0U);
     EXPECT_GE(loop_->input_status(0).counts.frames, 2U);
     EXPECT_NE(loop_->input_status(0).state.cause, LinkCause::good) << "they may be a second old";
+}
+
+class ArrivalsOfALateThread : public LoopArrivals {
+  protected:
+    ArrivalsOfALateThread() : LoopArrivals(Reports::nothing, std::make_unique<SlowLink>()) {}
+};
+
+/// It reads all ports whenever it is late, and a report may have been on its way.
+TEST_F(ArrivalsOfALateThread, AreNoFaultOfTheKernel) {
+    start();
+    EXPECT_FALSE(seen_within(
+        [&] {
+            pipe_.write(from_hex(kIa6bFrame));
+            return loop_->standing_port().fault != StandingPort::Fault::none;
+        },
+        6s));
+    EXPECT_GE(loop_->input_status(0).counts.frames, 2U);
 }
 
 TEST_F(LoopArrivals, ThatTheKernelReportsAreNoFault) {

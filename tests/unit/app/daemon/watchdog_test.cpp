@@ -273,7 +273,7 @@ TEST_F(WatchdogTest, HalfASecondBetweenTwoLooksIsNoStop) {
     EXPECT_EQ(look_twice_each(500ms + 1ns), Punctuality::on_time);
 }
 
-/// What is published when the program goes on is the first that counts again.
+/// After a stop the first figures that count are those published when the program goes on.
 TEST_F(WatchdogTest, AnOutputThatIsLateAfterAStopIsFoundWithTheSecondPublication) {
     go_on(2s);
     now_ += 60s;

@@ -1,4 +1,3 @@
-#include <fstream>
 #include <optional>
 #include <regex>
 #include <set>
@@ -9,6 +8,7 @@
 
 #include "app/web/server/routes.h"
 #include "app/web/server/site.h"
+#include "tests/support/manual_routes.h"
 
 namespace tribus::web::routes_test {
 namespace {
@@ -101,16 +101,11 @@ std::string word_of(Access access) {
 }
 
 TEST(Routes, StandInTheManualWithWhoMayAskThem) {
-    std::ifstream manual(TRIBUS_SOURCE_DIR "/docs/web.md");
-    // | `GET /api/N/history/ID` | looks |
-    const std::regex row(R"(\| `(GET|POST) (/[^`?]*)[^|]*\| (\w+) \|.*)");
     const std::regex name("/(N|ID|NUMBER|ID.tar)(?=/|$)");
     std::set<std::string> told;
-    for (std::string line; std::getline(manual, line);) {
-        std::smatch parts;
-        if (std::regex_match(line, parts, row) && parts[2] != "/") {
-            told.insert(parts[1].str() + " " + std::regex_replace(parts[2].str(), name, "/*") +
-                        " " + parts[3].str());
+    for (const auto& [method, path, who] : test::manual_routes()) {
+        if (path != "/") {
+            told.insert(method + " " + std::regex_replace(path, name, "/*") + " " + who);
         }
     }
     std::set<std::string> known;
