@@ -268,9 +268,9 @@ class Refused(unittest.TestCase):
         for options, said in ((("--broker", "broker.local"), "--unencrypted"),
                               (("--broker", "mqtt://a"), "allowed: a name or an address"),
                               (("--certificate", "x"), "belong together"),
-                              (("--prefix", "a/#"), "--prefix \"a/#\": allowed: levels of a topic"),
+                              (("--prefix", "a/#"), "--prefix \"a/#\": allowed: 1 to 64 letters"),
                               (("--board", "b" * 65), "--board: allowed: a name of at most 64"),
-                              (("--discovery", "+"), "--discovery \"+\": allowed: levels"),
+                              (("--discovery", "+"), "--discovery \"+\": allowed: 1 to 64"),
                               (("--user", "u", "--password-file", str(secret)), "--password-file"),
                               (("--ca", "/nowhere", "--broker", "a"), "cannot be used")):
             ran = subprocess.run([PROGRAMS / "tribus-mqtt", "run", *options], capture_output=True,
