@@ -48,24 +48,22 @@ endfunction()
 execute_process(RESULT_VARIABLE without_can OUTPUT_QUIET ERROR_QUIET
     COMMAND unshare --net --mount sh -c "ip link add type vcan && ip link add type vxcan")
 
-# can_group(GROUP LONG|"" NUMBER PROGRAM FILTER): on the host's own kernel if it has virtual CAN,
-# else in a guest. Tests that need a machine of their own are skipped on the host's.
+# can_group(GROUP LONG|"" PROGRAM FILTER): on the host's own kernel if it has virtual CAN, else in a
+# guest. Tests that need a machine of their own are skipped on the host's.
 #
-# A processor has one guest at a time. Several guests take turns so often that each needs many times as
-# long, and they leave little to other tests: each guest is a session, and many kernels share processors
-# among sessions first.
-cmake_host_system_information(RESULT lab_processors QUERY NUMBER_OF_LOGICAL_CORES)
-function(can_group group long number program filter)
+# One guest runs at a time. Its programs are processes of the host that it switches all the time, and on
+# a host that is itself a virtual machine two such guests wait for each other: together they need longer
+# than one after the other.
+function(can_group group long program filter)
     string(TOLOWER "${long}" label)
     if(without_can)
-        set(runner "${lab_scripts}/run_uml" --processor ${number})
+        set(runner "${lab_scripts}/run_uml")
     else()
         set(runner "${lab_scripts}/run_on_host")
         set(lab_skip "this test needs a guest of the laboratory")
     endif()
     lab_add(${group} "${label}" 1 "${program}" "${filter}" ${runner} "${lab_results}/${group}"
         ${lab_seconds} "${program}" "--gtest_filter=${filter}")
-    math(EXPR turn "${number} % ${lab_processors}")
-    set_tests_properties(${group} PROPERTIES DEPENDS "${lab_guest_${turn}}")
-    set(lab_guest_${turn} ${group} PARENT_SCOPE)
+    set_tests_properties(${group} PROPERTIES DEPENDS "${lab_guest_before}")
+    set(lab_guest_before ${group} PARENT_SCOPE)
 endfunction()

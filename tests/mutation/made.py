@@ -198,8 +198,8 @@ class Campaign:
         if suite != "can":
             return [str(program)], dict(os.environ, TMPDIR=self.temporary(), **environment)
         # A guest gets its environment by its command, and sees its folder of results as /lab.
-        return ([str(OWN_ROOT / "tests/lab/run_uml"), "--processor", str(worker),
-                 str(self.guest(worker)), str(int(seconds)), "/usr/bin/env",
+        return ([str(OWN_ROOT / "tests/lab/run_uml"), str(self.guest(worker)), str(int(seconds)),
+                 "/usr/bin/env",
                  *[f"{name}={value}" for name, value in environment.items()], str(program)],
                 dict(os.environ))
 
