@@ -34,6 +34,29 @@ constexpr std::string_view name_of(LinkCause cause) {
     return kNames[static_cast<std::size_t>(cause)];
 }
 
+/// The words of all causes, as machines read them, such as "radio_lost".
+inline constexpr auto kLinkCauseCharacters = [] {
+    std::array<std::array<char, 16>, kLinkCauseCount> words{};
+    for (std::size_t cause = 0; cause < kLinkCauseCount; ++cause) {
+        const std::string_view name = name_of(static_cast<LinkCause>(cause));
+        for (std::size_t i = 0; i < name.size(); ++i) {
+            words.at(cause).at(i) = name[i] == ' ' ? '_' : name[i];
+        }
+    }
+    return words;
+}();
+inline constexpr auto kLinkCauseWords = [] {
+    std::array<std::string_view, kLinkCauseCount> words;
+    for (std::size_t cause = 0; cause < kLinkCauseCount; ++cause) {
+        words.at(cause) = {kLinkCauseCharacters.at(cause).data(),
+                           name_of(static_cast<LinkCause>(cause)).size()};
+    }
+    return words;
+}();
+constexpr std::string_view word_of(LinkCause cause) {
+    return kLinkCauseWords[static_cast<std::size_t>(cause)];
+}
+
 /// The sign by which the loss of the radio link was detected.
 enum class RadioLossSign : std::uint8_t {
     none,

@@ -91,7 +91,7 @@ void StateLog::look_at_input(const std::string& name, const InputStatus& status,
     if (!swallowed) {
         return;
     }
-    const std::string cause = as_word(name_of(status.state.cause));
+    const std::string_view cause = word_of(status.state.cause);
     const LogFields fields({"TRIBUS_INPUT", name}, {"TRIBUS_CAUSE", cause});
     const bool good = status.state.cause == LinkCause::good;
     log_at(good ? LogLevel::info : LogLevel::warning, "input {}: {}{}", name,
@@ -155,7 +155,7 @@ void StateLog::log_missing_signal(const std::string& name, const InputStatus& st
         return;
     }
     memory.missing_signal_logged = true;
-    const std::string cause = as_word(name_of(status.state.cause));
+    const std::string_view cause = word_of(status.state.cause);
     const LogFields fields({"TRIBUS_INPUT", name}, {"TRIBUS_CAUSE", cause});
     const Medium& medium = *port.config.medium;
     const SilenceAdvice& advice = medium.silence;

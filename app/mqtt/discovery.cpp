@@ -1,7 +1,5 @@
 #include "app/mqtt/discovery.h"
 
-#include <algorithm>
-#include <array>
 #include <initializer_list>
 #include <string_view>
 #include <utility>
@@ -11,7 +9,7 @@
 
 #include "app/client/status_fields.h"
 #include "app/mqtt/report.h"
-#include "core/link_cause.h"
+#include "app/status/fields.h"
 
 namespace tribus::mqtt {
 namespace {
@@ -21,19 +19,6 @@ using OrderedJson = nlohmann::ordered_json;
 
 /// Home Assistant shows "unavailable" if no status came for so long; one comes each second.
 constexpr int kExpireAfterSeconds = 5;
-constexpr std::array<std::string_view, 5> kOutputStates{"control", "hold", "failsafe", "silent",
-                                                        "cannot_send"};
-
-OrderedJson cause_words() {
-    OrderedJson words = OrderedJson::array();
-    for (std::size_t i = 0; i < kLinkCauseCount; ++i) {
-        std::string word(name_of(static_cast<LinkCause>(i)));
-        std::ranges::replace(word, ' ', '_');
-        words.push_back(std::move(word));
-    }
-    return words;
-}
-
 /// A text in a template, in single quotes.
 std::string in_template(const std::string& text) {
     std::string quoted = "'";
@@ -69,27 +54,27 @@ class Components {
     Components(const DaemonTopics& topics, std::string board, std::string daemon)
         : topics_(topics), board_(std::move(board)), daemon_(std::move(daemon)) {}
 
-    void add_input(const std::string& name) {
-        OrderedJson good = entity("binary_sensor", "input", name, "Input " + name);
-        good["device_class"] = "connectivity";
-        good["value_template"] =
-            fmt::format("{{{{ 'ON' if {} else 'OFF' }}}}", member("inputs", name, "good"));
-        put(std::move(good));
-        OrderedJson cause = entity("sensor", "cause", name, "Input " + name + " cause");
-        cause["device_class"] = "enum";
-        cause["options"] = cause_words();
-        cause["value_template"] = in_braces(member("inputs", name, "cause"));
-        put(std::move(cause));
+    /// A fact of a part that is yes or no, or always one of some words.
+    void add_fact(const PartKind& kind, const StatusField& row, const std::string& name) {
+        const FieldOptions& options = row.options;
+        const bool is_word = row.kind == FieldKind::word && !options.may_be_null;
+        if (options.fleet.empty() || (row.kind != FieldKind::flag && !is_word)) {
+            return;
+        }
+        OrderedJson fact = entity(is_word ? "sensor" : "binary_sensor", kind, name, options.fleet);
+        const std::string value = member(kind.fleet, name, options.fleet);
+        fact["device_class"] = is_word ? "enum" : "connectivity";
+        if (is_word) {
+            fact["options"] = options.words;
+            fact["value_template"] = in_braces(value);
+        } else {
+            fact["value_template"] = fmt::format("{{{{ 'ON' if {} else 'OFF' }}}}", value);
+        }
+        put(std::move(fact));
     }
-    void add_output(const std::string& name) {
-        OrderedJson state = entity("sensor", "output", name, "Output " + name);
-        state["device_class"] = "enum";
-        state["options"] = kOutputStates;
-        state["value_template"] = in_braces(member("outputs", name, "state"));
-        put(std::move(state));
-    }
-    void add_value(const std::string& name, const std::string& unit) {
-        OrderedJson value = entity("sensor", "value", name, name);
+    void add_value(const PartKind& kind, const std::string& name, const std::string& unit) {
+        OrderedJson value = entity("sensor", kind, name, "number");
+        value["name"] = name;
         value["state_class"] = "measurement";
         if (!unit.empty()) {
             value["unit_of_measurement"] = unit;
@@ -110,11 +95,11 @@ class Components {
     OrderedJson take() { return std::move(components_); }
 
   private:
-    OrderedJson entity(std::string_view platform, std::string_view kind, std::string_view name,
-                       const std::string& shown) const {
+    OrderedJson entity(std::string_view platform, const PartKind& kind, std::string_view name,
+                       std::string_view fact) const {
         return {{"platform", platform},
-                {"unique_id", id_of({board_, daemon_, kind, name})},
-                {"name", shown},
+                {"unique_id", id_of({board_, daemon_, kind.word, name, fact})},
+                {"name", fmt::format("{} {} {}", kind.word, name, fact)},
                 {"state_topic", topics_.status},
                 {"expire_after", kExpireAfterSeconds}};
     }
@@ -151,15 +136,23 @@ std::string discovery_payload(const DaemonTopics& topics, const std::string& boa
     const std::string daemon = raw_text(status, "name");
     const std::string device = id_of({board, daemon});
     Components components(topics, board, daemon);
-    for (const Json& input : list(status, "inputs")) {
-        components.add_input(raw_text(input, "name"));
-    }
-    for (const Json& output : list(status, "outputs")) {
-        components.add_output(raw_text(output, "name"));
-    }
-    for (const Json& value : list(status, "values")) {
-        if (is_told(value)) {
-            components.add_value(raw_text(value, "name"), raw_text(value, "unit"));
+    for (const PartKind& kind : part_kinds()) {
+        if (kind.fleet.empty()) {
+            continue;
+        }
+        for (const Json& part : list(status, std::string(kind.list).c_str())) {
+            const std::string name = raw_text(part, "name");
+            if (kind.list == "values" && is_told(part)) {
+                components.add_value(kind, name, raw_text(part, "unit"));
+            }
+            for (const StatusField& row : kind.fields) {
+                components.add_fact(kind, row, name);
+            }
+            if (field(part, "can").is_object()) {
+                for (const StatusField& row : can_kind().fields) {
+                    components.add_fact(kind, row, name);
+                }
+            }
         }
     }
     components.add_events();

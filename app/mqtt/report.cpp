@@ -6,12 +6,14 @@
 #include <cmath>
 #include <ctime>
 #include <optional>
+#include <span>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "app/client/status_fields.h"
+#include "app/status/fields.h"
 
 namespace tribus::mqtt {
 namespace {
@@ -57,53 +59,51 @@ OrderedJson number_or_null(const Json& object, const char* key) {
     return value ? OrderedJson(*value) : OrderedJson();
 }
 
-OrderedJson inputs_json(const Json& status) {
-    OrderedJson json = OrderedJson::object();
-    for (const Json& input : list(status, "inputs")) {
-        json[raw_text(input, "name")] = {{"good", raw_text(input, "cause") == "good"},
-                                         {"cause", raw_text(input, "cause")},
-                                         {"for_s", seconds_of(input, "state_age_us")},
-                                         {"rate_hz", number_or_null(input, "rate_hz")},
-                                         {"age_s", seconds_of(input, "age_us")}};
+OrderedJson value_of(const StatusField& row, const Json& object) {
+    const std::string key(row.name);
+    const bool in_seconds = row.kind == FieldKind::time && row.options.fleet.ends_with("_s");
+    switch (row.kind) {
+        case FieldKind::text:
+        case FieldKind::word:
+            return text_or_null(object, key.c_str());
+        case FieldKind::flag:
+            return flag(object, key.c_str());
+        case FieldKind::time:
+            return in_seconds ? seconds_of(object, key.c_str())
+                              : OrderedJson(whole(object, key.c_str()).value_or(0));
+        default:
+            return number_or_null(object, key.c_str());
     }
-    return json;
 }
 
-OrderedJson outputs_json(const Json& status) {
-    OrderedJson json = OrderedJson::object();
-    for (const Json& output : list(status, "outputs")) {
-        json[raw_text(output, "name")] = {{"state", raw_text(output, "state")},
-                                          {"input", text_or_null(output, "input")},
-                                          {"obstacle", text_or_null(output, "obstacle")},
-                                          {"waits_for", text_or_null(output, "waits_for")},
-                                          {"rate_hz", number_or_null(output, "rate_hz")}};
-    }
-    return json;
-}
-
-OrderedJson devices_json(const Json& status) {
-    OrderedJson json = OrderedJson::object();
-    for (const Json& port : list(status, "ports")) {
-        OrderedJson& device = json[raw_text(port, "name")];
-        device = {{"present", flag(port, "present")}};
-        if (const Json& can = field(port, "can"); can.is_object()) {
-            device["bus"] = raw_text(can, "state");
+void tell(std::span<const StatusField> rows, const Json& object, OrderedJson& told) {
+    for (const StatusField& row : rows) {
+        if (!row.options.fleet.empty()) {
+            told[std::string(row.options.fleet)] = value_of(row, object);
         }
     }
-    return json;
 }
 
-OrderedJson values_json(const Json& status) {
+OrderedJson parts_json(const PartKind& kind, const Json& status) {
     OrderedJson json = OrderedJson::object();
-    for (const Json& value : list(status, "values")) {
-        if (!is_told(value)) {
+    for (const Json& part : list(status, std::string(kind.list).c_str())) {
+        if (kind.list == "values" && !is_told(part)) {
             continue;
         }
-        const bool stale = flag(value, "stale");
-        json[raw_text(value, "name")] = {
-            {"number", stale ? OrderedJson() : number_or_null(value, "number")},
-            {"unit", raw_text(value, "unit")},
-            {"age_s", seconds_of(value, "age_us")}};
+        OrderedJson& told = json[raw_text(part, "name")];
+        told = OrderedJson::object();
+        tell(kind.fields, part, told);
+        if (const Json& can = field(part, "can"); can.is_object()) {
+            tell(can_kind().fields, can, told);
+        }
+        // A daemon of an earlier version does not say whether an input is good.
+        if (kind.list == "inputs") {
+            told["good"] = raw_text(part, "cause") == "good";
+        }
+        // An old number is none.
+        if (flag(part, "stale")) {
+            told["number"] = nullptr;
+        }
     }
     return json;
 }
@@ -257,18 +257,15 @@ bool is_told(const Json& value) {
 }
 
 std::string status_payload(const Json& status) {
-    const std::int64_t time = whole(status, "unix_time_us").value_or(0);
-    OrderedJson json{{"time", utc(time)},
-                     {"unix_time_us", time},
-                     {"uptime_s", seconds_of(status, "uptime_us")},
-                     {"figures_age_s", seconds_of(status, "figures_age_us")},
-                     {"fingerprint", text_or_null(status, "fingerprint")},
-                     {"trial_left_s", seconds_of(status, "trial_left_us")}};
-    const bool tell = has_new_figures(status);
-    json["inputs"] = tell ? inputs_json(status) : OrderedJson::object();
-    json["outputs"] = tell ? outputs_json(status) : OrderedJson::object();
-    json["devices"] = tell ? devices_json(status) : OrderedJson::object();
-    json["values"] = tell ? values_json(status) : OrderedJson::object();
+    OrderedJson json{{"time", utc(whole(status, "unix_time_us").value_or(0))}};
+    tell(program_fields(), status, json);
+    const bool tells_parts = has_new_figures(status);
+    for (const PartKind& kind : part_kinds()) {
+        if (!kind.fleet.empty()) {
+            json[std::string(kind.fleet)] =
+                tells_parts ? parts_json(kind, status) : OrderedJson::object();
+        }
+    }
     return one_line(json);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -20,6 +21,9 @@ std::string implausible_text(const ImplausibleFrames& implausible);
 
 /// A name as machines read it: "radio_lost".
 std::string as_word(std::string_view name);
+/// All words of the next function.
+inline constexpr std::array<std::string_view, 5> kOutputStateWords{"control", "hold", "failsafe",
+                                                                   "silent", "cannot_send"};
 /// The output's `state` in a status: "control", "hold", "failsafe", "cannot_send", or "silent" for
 /// an output that sends nothing in failsafe.
 std::string_view output_state_word(OutputStage stage, bool sends);

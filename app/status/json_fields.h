@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string_view>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -12,8 +13,8 @@ namespace tribus {
 class JsonFields {
   public:
     JsonFields() { members().reserve(kMost); }
-    nlohmann::ordered_json& operator[](const char* key) {
-        return members().emplace_back(key, nullptr).second;
+    void add(std::string_view key, nlohmann::ordered_json value) {
+        members().emplace_back(key, std::move(value));
     }
     nlohmann::ordered_json take() { return std::move(object_); }
 

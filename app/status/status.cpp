@@ -1,5 +1,6 @@
 #include "app/status/status.h"
 
+#include <cmath>
 #include <filesystem>
 #include <utility>
 
@@ -22,7 +23,8 @@ void RateWindow::look(std::uint64_t count, Instant at) {
 }
 
 double RateWindow::rate_hz(Instant now) const {
-    return now - latest_ > kWindow ? 0 : rate_;
+    constexpr double kTenths = 10;
+    return now - latest_ > kWindow ? 0 : std::round(rate_ * kTenths) / kTenths;
 }
 
 StatusKeeper::StatusKeeper(const Appliance& appliance, Instant started)
@@ -91,6 +93,11 @@ std::vector<PortReport> port_reports(const Appliance& appliance) {
 
 std::string name_of(const StatusReport& report) {
     return std::filesystem::path(report.configuration->file).stem().string();
+}
+
+bool is_fresh(const ValueReport& value, Instant now) {
+    const Duration lasts = value.value.lasts;
+    return value.status.available && (lasts == kForever || now - value.status.at <= lasts);
 }
 
 std::string_view can_state_word(const PortReport& port) {

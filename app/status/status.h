@@ -53,6 +53,9 @@ struct ValueReport {
     ValueStatus status;
 };
 
+/// Whether its number says something about `now`.
+bool is_fresh(const ValueReport& value, Instant now);
+
 struct LineReport {
     bool present = false;
     std::optional<bool> active;
@@ -96,7 +99,8 @@ class RateWindow {
   public:
     /// `count` is the counter at `at`, an instant of the data thread, so that the rate is exact.
     void look(std::uint64_t count, Instant at);
-    /// Zero if the last `look` is older than the window: a frozen data thread has no rate.
+    /// To a tenth. Zero if the last `look` is older than the window: a frozen data thread has no
+    /// rate.
     double rate_hz(Instant now) const;
 
   private:

@@ -151,6 +151,15 @@ test('the data thread hangs: old figures that come in time are old', { timeout }
     });
 });
 
+test('figures that never came are as old as the daemon', { timeout }, async () => {
+    await withPage({}, async ({ page, board }) => {
+        await waitLive(page);
+        board.extra = { figures_age_us: null, uptime_us: 5_200_000 };
+        await page.getByText(/data thread hangs: it has published nothing for 5\.\d s/).waitFor();
+        assert.deepEqual(await looksLive(page), []);
+    });
+});
+
 test('a status that was long under way is old', { timeout }, async () => {
     await withPage({}, async ({ page, board }) => {
         await waitLive(page);

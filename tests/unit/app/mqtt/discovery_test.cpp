@@ -19,6 +19,7 @@ const DaemonTopics kTopics = topics_of("tribus", "boat 1", "servos");
 json discovered() {
     return json::parse(discovery_payload(kTopics, "boat 1", json::parse(R"({"name":"servos",
         "inputs":[{"name":"receiver"}],"outputs":[{"name":"servos"}],
+        "ports":[{"name":"can0","can":{}}],
         "values":[{"name":"pack.voltage","unit":"V","age_us":7},
                   {"name":"it's","unit":"","age_us":7},
                   {"name":"pack.cells.1","unit":"V","age_us":null},
@@ -43,12 +44,15 @@ TEST(Discovery, MakesADeviceWithInputsOutputsCausesValuesAndEvents) {
         EXPECT_EQ(component["unique_id"], id);
         ids.insert(id);
     }
-    EXPECT_EQ(ids, (std::set<std::string>{"tribus--boat-201--servos--event",
-                                          "tribus--boat-201--servos--input--receiver",
-                                          "tribus--boat-201--servos--cause--receiver",
-                                          "tribus--boat-201--servos--output--servos",
-                                          "tribus--boat-201--servos--value--it-27s",
-                                          "tribus--boat-201--servos--value--pack-2Evoltage"}));
+    EXPECT_EQ(ids,
+              (std::set<std::string>{"tribus--boat-201--servos--event",
+                                     "tribus--boat-201--servos--input--receiver--good",
+                                     "tribus--boat-201--servos--input--receiver--cause",
+                                     "tribus--boat-201--servos--output--servos--state",
+                                     "tribus--boat-201--servos--port--can0--bus",
+                                     "tribus--boat-201--servos--port--can0--present",
+                                     "tribus--boat-201--servos--value--it-27s--number",
+                                     "tribus--boat-201--servos--value--pack-2Evoltage--number"}));
 }
 
 TEST(Discovery, HasOtherIdsForOtherNames) {
@@ -95,24 +99,25 @@ TEST(Discovery, IsAvailableOnlyWhileBridgeAndDaemonAre) {
 
 TEST(Discovery, NamesAllCausesAndStatesThatAStatusCanHave) {
     const json components = discovered()["components"];
-    EXPECT_EQ(components["tribus--boat-201--servos--cause--receiver"]["options"],
+    EXPECT_EQ(components["tribus--boat-201--servos--input--receiver--cause"]["options"],
               json::parse(R"(["good","never_seen","wire_silent","garbled","radio_lost","stale",
                               "implausible","channels_missing","no_key","forged","replayed",
                               "late","unproved"])"));
-    EXPECT_EQ(components["tribus--boat-201--servos--output--servos"]["options"],
+    EXPECT_EQ(components["tribus--boat-201--servos--output--servos--state"]["options"],
               json::parse(R"(["control","hold","failsafe","silent","cannot_send"])"));
 }
 
 TEST(Discovery, FindsEachPartOfAStatusByItsName) {
     const json components = discovered()["components"];
-    EXPECT_EQ(components["tribus--boat-201--servos--input--receiver"]["value_template"],
+    EXPECT_EQ(components["tribus--boat-201--servos--input--receiver--good"]["value_template"],
               "{{ 'ON' if value_json['inputs']['receiver']['good'] else 'OFF' }}");
-    EXPECT_EQ(components["tribus--boat-201--servos--value--it-27s"]["value_template"],
+    EXPECT_EQ(components["tribus--boat-201--servos--value--it-27s--number"]["value_template"],
               R"({{ value_json['values']['it\'s']['number'] }})");
-    EXPECT_EQ(components["tribus--boat-201--servos--value--pack-2Evoltage"]["unit_of_measurement"],
+    EXPECT_EQ(components["tribus--boat-201--servos--value--pack-2Evoltage--number"]
+                        ["unit_of_measurement"],
               "V");
-    EXPECT_FALSE(
-        components["tribus--boat-201--servos--value--it-27s"].contains("unit_of_measurement"));
+    EXPECT_FALSE(components["tribus--boat-201--servos--value--it-27s--number"].contains(
+        "unit_of_measurement"));
 }
 
 TEST(BrokerPlaces, AreNamesAndAddressesWithOrWithoutAPort) {

@@ -53,7 +53,8 @@ export class Judge {
         }
         this.lateness = offset - this.leastOffset;
         this.lastBoardTime = board;
-        this.figuresAge = status.figures_age_us / 1000;
+        // Until the first figures they are as old as the daemon.
+        this.figuresAge = (status.figures_age_us ?? status.uptime_us) / 1000;
         this.arrivedAt = now;
         this.arrivedWall = wall;
     }

@@ -1,7 +1,5 @@
 // The status object of a running daemon, as docs/status.md describes it, and what the server says
-// about daemons. Only what the page reads.
-
-export type OutputStage = 'control' | 'hold' | 'failsafe' | 'silent' | 'cannot_send';
+// about daemons.
 
 export interface Distribution {
     count: number;
@@ -10,20 +8,39 @@ export interface Distribution {
     max_us: number;
 }
 
+// The rows of a status (app/status/fields.h): rows of a status
 export interface Input {
     name: string;
     protocol: string;
     port: string;
     state: 'good' | 'frame_lost' | 'failsafe';
-    cause: string;
+    good: boolean;
+    cause: 'good' | 'never_seen' | 'wire_silent' | 'garbled' | 'radio_lost' | 'stale' | 'implausible' | 'channels_missing' | 'no_key' | 'forged' | 'replayed' | 'late' | 'unproved';
+    sign: 'none' | 'failsafe_flag' | 'value_rule' | 'frame_lost_run' | 'frame_lost_ratio';
     text: string;
     state_age_us: number | null;
     rate_hz: number;
+    interval_us: number;
     age_us: number | null;
     channels: (number | null)[];
-    losses: Record<string, number>;
+    frame_lost: boolean;
+    failsafe: boolean;
+    bytes: number;
+    frames: number;
+    frame_lost_frames: number;
+    failsafe_frames: number;
+    implausible: { frames: number; channel: number | null; us: number | null; plausible_us: [number, number] | null };
+    skipped_bytes: number;
+    device_losses: number;
     rejected: Record<string, number>;
-    frame_age?: Distribution;
+    losses: Record<string, number>;
+    frame_age: Distribution;
+}
+
+export interface Pipeline {
+    name: string;
+    from: string[];
+    to: string[];
 }
 
 export interface Output {
@@ -31,61 +48,89 @@ export interface Output {
     protocol: string;
     port: string;
     inputs: string[];
-    state: OutputStage;
+    state: 'control' | 'hold' | 'failsafe' | 'silent' | 'cannot_send';
+    obstacle: 'device' | 'bus' | 'busy' | 'receiver' | 'epoch' | null;
     text: string;
     waits_for: string | null;
+    hold_us: number | null;
+    action: 'preset' | 'hold' | 'silence' | null;
+    marks_frame_lost: boolean;
+    forced: boolean;
+    awaits_release: boolean;
+    module: 'heard' | 'silent' | 'unreadable' | null;
     input: string | null;
     outvoted: string[];
-    forced: boolean;
     rate_hz: number;
+    period_us: number;
     channels: (number | null)[];
     frame_lost: boolean;
     failsafe: boolean;
+    cause: 'good' | 'never_seen' | 'wire_silent' | 'garbled' | 'radio_lost' | 'stale' | 'implausible' | 'channels_missing' | 'no_key' | 'forged' | 'replayed' | 'late' | 'unproved';
+    frames: number;
+    overruns: number;
     deadline_misses: number;
     dropped: Record<string, number>;
+    foreign_frames: number;
     failsafe_entries: number;
+    recoveries: number;
+    changeovers: number;
     lateness: Distribution;
     latency: Distribution;
 }
 
-export interface Can {
-    state: string;
-    received: number;
-    sent: number;
-    error_frames: number;
-    bus_offs: number;
-}
-
 export interface Port {
     name: string;
-    kind: string;
+    kind: 'serial' | 'can';
     present: boolean;
-    can?: Can | null;
+    can?: Can;
+}
+
+export interface Can {
+    state: 'ready' | 'warning' | 'passive' | 'stalled' | 'bus_off' | 'down' | 'gone';
+    received: number;
+    sent: number;
+    confirmed: number;
+    queue_full: number;
+    abandoned: number;
+    stalls: number;
+    bus_offs: number;
+    downs: number;
+    error_frames: number;
+    missing_acknowledges: number;
+    receive_overflows: number;
+    implausible_times: number;
 }
 
 export interface Line {
     name: string;
-    line: string | number;
+    line: string;
     present: boolean;
-    role?: string;
-    active?: boolean | null;
+    role: 'link' | 'failsafe' | 'fresh' | 'force_failsafe' | 'select' | 'inverter' | 'button' | 'switch';
+    active: boolean | null;
 }
 
 export interface SensorBus {
     name: string;
     port: string;
-    role: string;
-    found?: { address: number; type: string }[];
-    faults?: { address: number; fault: string }[];
-    counts: Record<string, number>;
+    role: 'sensor' | 'receiver';
+    found?: { address: number; type: string | null; type_id: number; bytes: number }[];
+    faults?: { address: number; fault: string; sent_bytes: number | null }[];
+    first_address?: number | null;
+    sensors?: number;
     request_age_us?: number | null;
+    counts: Record<string, number>;
+    collisions: number;
 }
 
-export interface Node {
+export interface DronecanNode {
     interface: string;
-    state: string;
+    state: 'allocating' | 'online' | 'conflict';
     id: number | null;
+    sent: number;
+    received: number;
     errors: number;
+    requests: number;
+    dropped: number;
     conflicts: number;
 }
 
@@ -102,7 +147,8 @@ export interface Machine {
     load_percent?: number | null;
     memory_percent?: number | null;
     supply_V?: number | null;
-    undervoltage?: boolean | null;
+    undervoltage?: number | null;
+    uptime_s?: number | null;
 }
 
 export interface Status {
@@ -111,21 +157,24 @@ export interface Status {
     name: string;
     file: string;
     t_us: number;
+    unix_time_us: number;
     uptime_us: number;
     trial_left_us: number | null;
-    trial?: number | null;
-    fingerprint?: string;
-    figures_age_us: number;
+    trial: number | null;
+    fingerprint: string;
+    figures_age_us: number | null;
     missing_realtime: string[];
     inputs: Input[];
+    pipelines: Pipeline[];
     outputs: Output[];
     ports: Port[];
     lines: Line[];
     sensor_buses: SensorBus[];
-    dronecan: Node[];
+    dronecan: DronecanNode[];
     values: Value[];
     machine: Machine;
 }
+// end of rows
 
 export type Role = 'look' | 'change' | null;
 
