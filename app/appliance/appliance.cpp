@@ -17,14 +17,6 @@
 namespace tribus {
 namespace {
 
-std::string device_name(const PortConfig& config) {
-    return std::string(config.medium->place.key) + " " + config.device;
-}
-
-std::string device_name(const LineConfig& config) {
-    return "line " + config.name + " (" + to_text(config.place) + ")";
-}
-
 /// Without it nothing could be proved, so the program ends.
 RandomSeed random_seed() {
     RandomSeed seed{};
@@ -272,17 +264,6 @@ tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::st
     return appliance;
 }
 
-std::vector<Appliance::DeviceEvent> Appliance::devices() const {
-    std::vector<DeviceEvent> all;
-    for (std::size_t port = 0; port < plans_.size(); ++port) {
-        all.push_back({device_name(plans_[port].config), port_present(port)});
-    }
-    for (std::size_t line = 0; line < missing_lines_.size(); ++line) {
-        all.push_back({device_name(configuration_.lines[line]), line_present(line)});
-    }
-    return all;
-}
-
 std::optional<bool> Appliance::line_active(std::size_t line) const {
     const LineRole role = configuration_.lines[line].task.role;
     if (!line_present(line) || role == LineRole::fresh) {
@@ -295,86 +276,6 @@ std::optional<bool> Appliance::line_active(std::size_t line) const {
     return (states.blinking & line_bit(line)) != 0
                ? std::nullopt
                : std::optional((states.on & line_bit(line)) != 0);
-}
-
-std::vector<Appliance::DeviceEvent> Appliance::reopen_devices() {
-    std::vector<DeviceEvent> events;
-    for (std::size_t port = 0; port < plans_.size(); ++port) {
-        if (loop_->take_lost(port)) {
-            missing_[port] = true;
-            events.push_back({device_name(plans_[port].config), false});
-        }
-        if (missing_[port]) {
-            auto link = open_port(configuration_, stations(), plans_[port]);
-            if (!link) {
-                tell_problem(port, link.error(), events);
-                continue;
-            }
-            loop_->give(port, std::move(*link));
-            missing_[port] = false;
-            open_problems_[port] = {};
-            events.push_back({device_name(plans_[port].config), true});
-        }
-    }
-    reopen_lines(events);
-    return events;
-}
-
-/// A device that is missing is told elsewhere. One that was just unplugged or plugged in may be
-/// there without being one for a moment.
-void Appliance::tell_problem(std::size_t port, const std::string& problem,
-                             std::vector<DeviceEvent>& events) {
-    const PortConfig& config = plans_[port].config;
-    OpenProblem& before = open_problems_[port];
-    if (config.medium->is_missing(config.device)) {
-        before = {};
-    } else if (before.text != problem) {
-        before = {problem};
-    } else if (!std::exchange(before.told, true)) {
-        events.push_back({device_name(config), false, problem});
-    }
-}
-
-bool Appliance::line_present(std::size_t line) const {
-    return !missing_lines_[line] &&
-           !(lines_hang() && is_input_role(configuration_.lines[line].task.role));
-}
-
-void Appliance::look_whether_lines_hang(std::vector<DeviceEvent>& events) {
-    const bool silent = line_exchange_ != nullptr && line_exchange_->hangs(monotonic_now());
-    const bool before = lines_hang();
-    silent_looks_ = silent ? std::min(silent_looks_ + 1, kSilentLooks) : 0;
-    if (lines_hang() == before) {
-        return;
-    }
-    for (std::size_t line = 0; line < missing_lines_.size(); ++line) {
-        const LineConfig& config = configuration_.lines[line];
-        if (is_input_role(config.task.role) && !missing_lines_[line]) {
-            events.push_back({device_name(config), before});
-        }
-    }
-}
-
-void Appliance::reopen_lines(std::vector<DeviceEvent>& events) {
-    look_whether_lines_hang(events);
-    // Finding a line queries all lines of all chips; about once a second is enough.
-    constexpr int kCallsPerOpening = 5;
-    calls_until_opening_ = calls_until_opening_ == 0 ? kCallsPerOpening : calls_until_opening_ - 1;
-    for (std::size_t i = 0; i < missing_lines_.size(); ++i) {
-        const LineConfig& config = configuration_.lines[i];
-        const std::string name = device_name(config);
-        if (gpio_thread_->take_lost(i)) {
-            missing_lines_[i] = true;
-            events.push_back({name, false});
-        }
-        if (missing_lines_[i] && calls_until_opening_ == 0) {
-            if (auto line = open_line(configuration_, config)) {
-                gpio_thread_->give(i, std::move(*line));
-                missing_lines_[i] = false;
-                events.push_back({name, true});
-            }
-        }
-    }
 }
 
 bool Appliance::uses_fd(const PortWiring& wiring) const {

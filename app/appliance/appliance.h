@@ -10,6 +10,7 @@
 
 #include <tl/expected.hpp>
 
+#include "app/appliance/bus_off_watch.h"
 #include "app/appliance/machine_values.h"
 #include "app/epoch/epoch_file.h"
 #include "app/recorder/flight_recorder.h"
@@ -89,6 +90,13 @@ class Appliance {
     std::vector<DeviceEvent> devices() const;
     /// Closes devices that vanished and opens those that are back. Call it a few times a second.
     std::vector<DeviceEvent> reopen_devices();
+    /// What was done for devices that need a hand.
+    struct DeviceNews {
+        std::vector<DeviceEvent> events;
+        std::vector<BusOffWatch::Restart> restarts{};
+    };
+    /// The same, and restarts CAN interfaces after bus-off where the kernel does not.
+    DeviceNews look_after_devices(Instant now);
 
     /// Each output sends its last frames as its failsafe demands; returns when that is done.
     void end();
@@ -214,6 +222,7 @@ class Appliance {
         bool told = false;
     };
     std::vector<OpenProblem> open_problems_;  ///< one a port
+    BusOffWatch bus_off_watch_;
     /// Null if nothing uses values. The outputs of the engine refer to it.
     std::unique_ptr<ValueEngine> values_;
     std::unique_ptr<Engine> engine_;

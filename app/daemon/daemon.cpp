@@ -59,7 +59,7 @@ void Daemon::show_successor(const std::vector<PortPlan>& ports_before,
         log_->log_interfaces(*appliance_);
     }
     // Opens the devices that got other line settings.
-    log_->look(*appliance_, now);
+    log_->look(*appliance_, appliance_->look_after_devices(now), now);
     sockets_.show(*appliance_);
     service_.started(*appliance_, now);
 }
@@ -187,7 +187,7 @@ void Daemon::look(Instant now) {
         appliance_.reset();
         return;
     }
-    log_->look(*appliance_, now);
+    log_->look(*appliance_, appliance_->look_after_devices(now), now);
     appliance_->look_at_machine(now, sockets_.watched());
     sockets_.look();
     service_.look(*appliance_, now);

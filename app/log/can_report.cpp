@@ -12,9 +12,6 @@
 namespace tribus {
 namespace {
 
-/// Longer than the kernel's own restart takes, if it is configured.
-constexpr Duration kBusOffPatience = std::chrono::seconds(1);
-
 std::string state_text(CanBusState state, const std::string& name) {
     switch (state) {
         case CanBusState::ready:
@@ -79,10 +76,6 @@ void CanReport::go_on_from(const CanReport& before, const Appliance& appliance) 
 
 void CanReport::look_at_state(const std::string& name, const CanLinkStatus& status, Memory& memory,
                               Instant now) {
-    if (status.state != memory.said.seen()) {
-        memory.bus_off_since =
-            status.state == CanBusState::bus_off ? std::optional(now) : std::nullopt;
-    }
     if (const auto swallowed = memory.said.look(status.state, memory.limit, now)) {
         const bool fine = status.state == CanBusState::ready;
         log_at(fine ? LogLevel::info : LogLevel::warning, "interface {}: {}{}", name,
@@ -103,34 +96,23 @@ void CanReport::look_at_overflows(const std::string& name, const CanLinkStatus& 
     memory.receive_overflows = status.counts.receive_overflows;
 }
 
-/// With restart-ms 0 the controller stays off until somebody restarts it.
-void CanReport::end_bus_off(const std::string& name, Memory& memory, Instant now) {
-    if (!memory.bus_off_since || now - *memory.bus_off_since < kBusOffPatience) {
-        return;
-    }
-    memory.bus_off_since = now;
-    const auto interface = query_can_interface(name);
-    if (!interface || interface->state != CanControllerState::bus_off ||
-        interface->restart_ms.value_or(0) != 0) {
-        return;
-    }
-    const auto restarted = restart_can_interface(name);
-    if (const auto swallowed = memory.limit.pass(now)) {
-        if (restarted) {
-            log_info("interface {}: restarted after bus-off{}", name, swallowed_note(*swallowed));
-        } else {
-            log_warning("{}{}", restarted.error(), swallowed_note(*swallowed));
-        }
-    }
-}
-
-void CanReport::look(const Appliance& appliance, Instant now) {
+void CanReport::look(const Appliance& appliance, std::span<const BusOffWatch::Restart> restarts,
+                     Instant now) {
     for (auto& [name, memory] : interfaces_) {
         const CanLinkStatus status = appliance.can_status(memory.port);
         const LogFields fields({"TRIBUS_INTERFACE", name});
         look_at_state(name, status, memory, now);
         look_at_overflows(name, status, memory, now);
-        end_bus_off(name, memory, now);
+    }
+    for (const BusOffWatch::Restart& restart : restarts) {
+        const LogFields fields({"TRIBUS_INTERFACE", restart.interface});
+        if (const auto swallowed = interfaces_[restart.interface].limit.pass(now)) {
+            const bool done = restart.error.empty();
+            log_at(done ? LogLevel::info : LogLevel::warning, "{}{}",
+                   done ? fmt::format("interface {}: restarted after bus-off", restart.interface)
+                        : restart.error,
+                   swallowed_note(*swallowed));
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <optional>
+#include <span>
 #include <string>
 
 #include "app/appliance/appliance.h"
@@ -15,8 +15,7 @@
 namespace tribus {
 
 /// Logs about the CAN interfaces: at the start their configuration, with advice, and later each
-/// change of state. Restarts an interface after bus-off if the kernel does not. Thread-bound to the
-/// main thread.
+/// change of state. Thread-bound to the main thread.
 class CanReport {
   public:
     explicit CanReport(const Appliance& appliance);
@@ -25,14 +24,14 @@ class CanReport {
     void start(const Appliance& appliance);
     /// After a reload: takes over what `before` knows about the interfaces that are still used.
     void go_on_from(const CanReport& before, const Appliance& appliance);
-    /// Logs changes since the last call. Call it a few times a second.
-    void look(const Appliance& appliance, Instant now);
+    /// Logs changes since the last call, and the restarts meanwhile. Call it a few times a second.
+    void look(const Appliance& appliance, std::span<const BusOffWatch::Restart> restarts,
+              Instant now);
 
   private:
     struct Memory {
         std::size_t port = 0;
         std::uint64_t receive_overflows = 0;
-        std::optional<Instant> bus_off_since;
         ChangeReport<CanBusState> said{CanBusState::ready};
         RateLimit limit = log_limit();
         RateLimit overflow_limit = log_limit();
@@ -42,7 +41,6 @@ class CanReport {
                        Instant now);
     void look_at_overflows(const std::string& name, const CanLinkStatus& status, Memory& memory,
                            Instant now);
-    void end_bus_off(const std::string& name, Memory& memory, Instant now);
 
     std::map<std::string, Memory> interfaces_;
 };

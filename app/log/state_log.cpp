@@ -314,7 +314,7 @@ void StateLog::look_at_absence(const AbsenceStatus& absence, Instant now) {
     }
 }
 
-void StateLog::look_at_devices(Appliance& appliance, Instant now) {
+void StateLog::look_at_devices(std::span<const Appliance::DeviceEvent> events, Instant now) {
     const auto look = [now](const std::string& name, DeviceMemory& memory) {
         const bool back = memory.present;
         if (const auto swallowed = memory.word.look(back, memory.limit, now)) {
@@ -328,7 +328,7 @@ void StateLog::look_at_devices(Appliance& appliance, Instant now) {
         memory.ever = memory.ever || back;
     };
     // A device that was gone and is back within one round is reported as gone, too.
-    for (const Appliance::DeviceEvent& event : appliance.reopen_devices()) {
+    for (const Appliance::DeviceEvent& event : events) {
         if (!event.problem.empty()) {
             log_at(LogLevel::warning, "{}", event.problem);
         }
@@ -340,10 +340,10 @@ void StateLog::look_at_devices(Appliance& appliance, Instant now) {
     }
 }
 
-void StateLog::look(Appliance& appliance, Instant now) {
+void StateLog::look(const Appliance& appliance, const Appliance::DeviceNews& news, Instant now) {
     look_at_absence(appliance.absence(), now);
-    look_at_devices(appliance, now);
-    can_.look(appliance, now);
+    look_at_devices(news.events, now);
+    can_.look(appliance, news.restarts, now);
     sensor_buses_.look(appliance, now);
     nodes_.look(appliance, now);
     const Configuration& configuration = appliance.configuration();

@@ -36,8 +36,8 @@ class StateLog {
                     const CarryOver& carry_over);
 
     /// Logs each change since the last call, at most a few lines per time for each input, output
-    /// and device. Reopens devices.
-    void look(Appliance& appliance, Instant now);
+    /// and device. `news`: of the appliance, since the last call.
+    void look(const Appliance& appliance, const Appliance::DeviceNews& news, Instant now);
 
   private:
     struct InputMemory {
@@ -89,7 +89,7 @@ class StateLog {
     };
 
     void look_at_absence(const AbsenceStatus& absence, Instant now);
-    void look_at_devices(Appliance& appliance, Instant now);
+    void look_at_devices(std::span<const Appliance::DeviceEvent> events, Instant now);
     void look_at_input(const std::string& name, const InputStatus& status, InputMemory& memory,
                        Instant now);
     static void look_at_implausible(const std::string& name, const InputStatus& status,

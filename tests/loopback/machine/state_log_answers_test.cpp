@@ -78,7 +78,7 @@ class StateLogOfAnAutopilot : public testing::Test {
     }
     /// What the log says of the output's answers when it looks.
     std::string said() {
-        log_->look(*appliance_, Instant(1s));
+        log_->look(*appliance_, appliance_->look_after_devices(Instant(1s)), Instant(1s));
         return logged_.take_lines(
             [](const std::string& line) { return line.find("answer") != std::string::npos; });
     }

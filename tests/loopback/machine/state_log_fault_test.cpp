@@ -96,7 +96,7 @@ class StateLogOfMessages : public testing::Test {
             ::send(node_.get(), &frame, sizeof frame, 0);
             return appliance_->input_status(0).state.cause == cause;
         }));
-        log_->look(*appliance_, now);
+        log_->look(*appliance_, appliance_->look_after_devices(now), now);
     }
     /// Returns the messages since the last call that begin with `of`.
     std::string said(std::string_view of) { return logged_.take_lines_of(of); }

@@ -37,7 +37,7 @@ class StateLogOfASilentInput : public testing::Test {
     }
     /// Returns what the log says of the input when it looks.
     std::string said_at(Instant now) {
-        log_->look(*appliance_, now);
+        log_->look(*appliance_, appliance_->look_after_devices(now), now);
         return logged_.take_lines_of("input receiver: ");
     }
     bool all_present() const { return appliance_->port_present(0) && appliance_->port_present(1); }

@@ -57,14 +57,14 @@ class StateLogAtPtys : public testing::Test {
             send(frame);
             return appliance_->input_status(0).state.cause == cause;
         }));
-        log_->look(*appliance_, now);
+        log_->look(*appliance_, appliance_->look_after_devices(now), now);
     }
     void receive_until_control(Instant now) {
         ASSERT_TRUE(seen_within([&] {
             send(kGood);
             return appliance_->output_status(0).state.stage == OutputStage::control;
         }));
-        log_->look(*appliance_, now);
+        log_->look(*appliance_, appliance_->look_after_devices(now), now);
     }
     /// Sends the frame among good ones until the program reports that it is not plausible; then the
     /// log looks.
@@ -75,7 +75,7 @@ class StateLogAtPtys : public testing::Test {
             const InputStatus status = appliance_->input_status(0);
             return status.implausible.frames > 0 && status.ever_good;
         }));
-        log_->look(*appliance_, now);
+        log_->look(*appliance_, appliance_->look_after_devices(now), now);
     }
     void see_the_output_wait() {
         ASSERT_TRUE(seen_within(
@@ -94,21 +94,21 @@ class StateLogAtPtys : public testing::Test {
             }
             return status.state.stage == OutputStage::control && status.counts.busy_drops > before;
         }));
-        log_->look(*appliance_, now);
+        log_->look(*appliance_, appliance_->look_after_devices(now), now);
     }
     void receive_until_failsafe(Instant now) {
         ASSERT_TRUE(seen_within([&] {
             send(radio_lost());
             return appliance_->output_status(0).state.stage == OutputStage::failsafe;
         }));
-        log_->look(*appliance_, now);
+        log_->look(*appliance_, appliance_->look_after_devices(now), now);
     }
     void ask_sensors(Instant now) {
         ASSERT_TRUE(seen_within([&] {
             sensors_.send(kDiscover1);
             return appliance_->bus_state(0).sensor.requests > 0;
         }));
-        log_->look(*appliance_, now);
+        log_->look(*appliance_, appliance_->look_after_devices(now), now);
     }
     void reload(Instant now, const std::string& input = "receiver",
                 const std::string& output_protocol = "ibus") {
@@ -134,7 +134,7 @@ class StateLogAtPtys : public testing::Test {
             [](const std::string& line) { return line.find(kDropped) != std::string::npos; });
     }
     std::string said_at(Instant now, std::string_view of) {
-        log_->look(*appliance_, now);
+        log_->look(*appliance_, appliance_->look_after_devices(now), now);
         return said(of);
     }
     /// Lets the log look at 1 s repeatedly until it has messages, and returns them.
@@ -340,11 +340,11 @@ TEST(StateLogOfADevice, SaysOnceThatItCameUnderASecondName) {
         Appliance::MissingDevices::wait_for_absent);
     ASSERT_TRUE(appliance) << appliance.error().front();
     StateLog log(**appliance, Instant(0s));
-    log.look(**appliance, Instant(1s));
+    log.look(**appliance, (*appliance)->look_after_devices(Instant(1s)), Instant(1s));
     EXPECT_EQ(logged.text().find("under another name"), std::string::npos);
     std::filesystem::create_symlink(receiver.path(), servos);
     for (const auto second : {2s, 3s, 4s, 5s}) {
-        log.look(**appliance, Instant(second));
+        log.look(**appliance, (*appliance)->look_after_devices(Instant(second)), Instant(second));
     }
     const std::string expected = "test.toml:6:10: " + servos +
                                  ": another program uses it, or this one opened it under another "
