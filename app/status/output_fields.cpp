@@ -205,6 +205,8 @@ constexpr StatusField kFields[]{
      dropped},
     {"foreign_frames", FieldKind::counter, "CAN frames of another node with its ids",
      member<&OutputCounts::foreign_frames>},
+    {"hold_entries", FieldKind::counter, "times that it began to hold the last values",
+     member<&OutputCounts::hold_entries>},
     {"failsafe_entries", FieldKind::counter, "times that it went into failsafe",
      member<&OutputCounts::failsafe_entries>},
     {"recoveries", FieldKind::counter, "times that control came back",

@@ -296,7 +296,8 @@ bool Output::make_frame(ChannelFrame& frame, Instant now, std::span<const Input>
     }
     ongoing_.awaits_release = false;
     if (bridging) {
-        if (ongoing_.stage == OutputStage::control) {
+        const bool was_in_control = ongoing_.stage == OutputStage::control;
+        if (was_in_control) {
             // Frames that waited through a stall may have moved the input's loss, and do not make
             // the held values younger. An input that lost control for another reason may still be
             // alive.
@@ -307,6 +308,7 @@ bool Output::make_frame(ChannelFrame& frame, Instant now, std::span<const Input>
         ongoing_.stage = OutputStage::holding;
         valid_until_ = later(ongoing_.holding_since, failsafe_.hold);
         if (!yielding && end_of_period < valid_until_) {
+            ongoing_.counts.hold_entries += was_in_control ? 1U : 0U;
             frame = *ongoing_.held;
             frame.frame_lost = true;
             return true;

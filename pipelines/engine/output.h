@@ -101,6 +101,7 @@ struct OutputCounts {
     std::uint64_t lost_drops = 0;         ///< the device was missing
     std::uint64_t unavailable_drops = 0;  ///< the bus was down, off or stalled
     std::uint64_t foreign_frames = 0;     ///< CAN frames of other nodes with the ids of this output
+    std::uint64_t hold_entries = 0;       ///< times that it began to hold the last values
     std::uint64_t failsafe_entries = 0;
     std::uint64_t recoveries = 0;
     std::uint64_t changeovers = 0;  ///< from one input to another, without failsafe between

@@ -98,6 +98,19 @@ TEST(EngineFailsafe, ALossThatHoldBridgesNeedsNoRecovery) {
     EXPECT_EQ(frame.raw[0], raw_of(1200));
 }
 
+TEST(EngineFailsafe, CountsEachLossThatHoldBridgesOnceAndNoneThatItDoesNotBridge) {
+    const auto hold_entries = [](Duration hold) {
+        Bench bench(list(ibus_input()), list(sbus_output({0}, {.hold = hold})));
+        bench.ibus_run(0, at(1ms), at(500ms), us(2000));
+        bench.ibus_run(0, at(700ms), at(1s), us(2000));
+        bench.ibus_run(0, at(1200ms), at(1500ms), us(2000));
+        bench.said(at(1500ms));
+        return bench.engine().outputs()[0].counts().hold_entries;
+    };
+    EXPECT_EQ(hold_entries(500ms), 2U);
+    EXPECT_EQ(hold_entries(0ms), 0U);
+}
+
 TEST(EngineFailsafe, AfterFailsafeControlReturnsOnlyAfterAnUnbrokenRun) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     bench.ibus(0, at(5ms), us(1100));

@@ -71,6 +71,7 @@ export interface Output {
     deadline_misses: number;
     dropped: Record<string, number>;
     foreign_frames: number;
+    hold_entries: number;
     failsafe_entries: number;
     recoveries: number;
     changeovers: number;
