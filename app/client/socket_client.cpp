@@ -7,16 +7,17 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <utility>
 
 namespace tribus {
 
 SocketClient::SocketClient(UniqueFd descriptor, std::size_t most_received, Instant now,
-                           std::uint32_t user)
+                           std::string who)
     : descriptor_(std::move(descriptor)),
       most_received_(most_received),
       quiet_since_(now),
       asking_since_(now),
-      user_(user) {}
+      who_(std::move(who)) {}
 
 bool SocketClient::receive(Instant now) {
     constexpr std::size_t kBytesAtOnce = 1024;

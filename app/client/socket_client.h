@@ -18,12 +18,13 @@ namespace tribus {
 /// that is done. Thread-bound.
 class SocketClient {
   public:
-    /// `most_received`: upper limit of a request in bytes. `user`: user id of the client.
-    SocketClient(UniqueFd descriptor, std::size_t most_received, Instant now,
-                 std::uint32_t user = 0);
+    /// `most_received`: upper limit of a request in bytes. `who`: see `who`.
+    SocketClient(UniqueFd descriptor, std::size_t most_received, Instant now, std::string who = {});
 
     int descriptor() const { return descriptor_.get(); }
-    std::uint32_t user() const { return user_; }
+    /// The other side: "user 1000" of a local socket, an address, or the network of an IPv6
+    /// address, which is one place's: "2001:db8:1:2::/64".
+    const std::string& who() const { return who_; }
     /// Reads what has arrived. Returns false if the connection is closed or broken.
     bool receive(Instant now);
     /// Bytes of requests that were not taken yet.
@@ -106,7 +107,7 @@ class SocketClient {
     Next next_answer_;
     Instant quiet_since_;
     Instant asking_since_;
-    std::uint32_t user_;
+    std::string who_;
 };
 
 }  // namespace tribus

@@ -1,14 +1,21 @@
 #include "app/daemon/socket_server.h"
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
 #include <poll.h>
 #include <sys/epoll.h>
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
+#include <iterator>
 #include <map>
+#include <string_view>
 #include <utility>
+
+#include <fmt/format.h>
 
 namespace tribus {
 namespace {
@@ -17,12 +24,40 @@ namespace {
 /// processor.
 constexpr Duration kAcceptPause = std::chrono::seconds(1);
 
-/// User id of the other side of a local socket. All other sockets have one number.
-std::uint32_t user_of(int descriptor) {
-    ucred peer{};
+std::string text_of(int family, const void* address) {
+    std::array<char, INET6_ADDRSTRLEN> text{};
+    return ::inet_ntop(family, address, text.data(), text.size()) == nullptr ? "" : text.data();
+}
+
+/// The text of `SocketClient::who`.
+std::string who_is_at(int descriptor) {
+    union {
+        sockaddr any;
+        sockaddr_in v4;
+        sockaddr_in6 v6;
+    } peer{};
     socklen_t size = sizeof peer;
-    ::getsockopt(descriptor, SOL_SOCKET, SO_PEERCRED, &peer, &size);
-    return peer.uid;
+    ::getpeername(descriptor, &peer.any, &size);
+    if (peer.any.sa_family == AF_INET) {
+        return text_of(AF_INET, &peer.v4.sin_addr);
+    }
+    if (peer.any.sa_family == AF_INET6) {
+        in6_addr& address = peer.v6.sin6_addr;
+        constexpr std::size_t kV4At = 12;
+        constexpr std::size_t kNetworkBytes = 8;
+        if (IN6_IS_ADDR_V4MAPPED(&address)) {
+            return text_of(AF_INET, &address.s6_addr[kV4At]);
+        }
+        if (IN6_IS_ADDR_LOOPBACK(&address)) {
+            return text_of(AF_INET6, &address);
+        }
+        std::fill(std::begin(address.s6_addr) + kNetworkBytes, std::end(address.s6_addr), 0);
+        return text_of(AF_INET6, &address) + "/64";
+    }
+    ucred user{};
+    size = sizeof user;
+    ::getsockopt(descriptor, SOL_SOCKET, SO_PEERCRED, &user, &size);
+    return fmt::format("user {}", user.uid);
 }
 
 bool hung_up(int descriptor) {
@@ -82,28 +117,28 @@ void SocketServer::accept_all(Instant now) {
             }
             return;
         }
-        const std::uint32_t user = user_of(client.get());
-        if (clients_.size() >= limits_.clients && !make_room_for(user)) {
+        std::string who = who_is_at(client.get());
+        if (clients_.size() >= limits_.clients && !make_room_for(who)) {
             refuse(std::move(client));
             continue;
         }
-        watch(clients_.emplace_back(std::move(client), limits_.request, now, user));
+        watch(clients_.emplace_back(std::move(client), limits_.request, now, std::move(who)));
     }
 }
 
-/// A client that watches gives way only to a user who has fewer places.
-bool SocketServer::make_room_for(std::uint32_t user) {
-    std::map<std::uint32_t, std::size_t> places;
+/// A client that watches gives way only to somebody who has fewer places.
+bool SocketServer::make_room_for(const std::string& who) {
+    std::map<std::string_view, std::size_t> places;
     for (const SocketClient& client : clients_) {
-        ++places[client.user()];
+        ++places[client.who()];
     }
-    const auto greediest = std::ranges::max_element(
-        places, {}, [](const auto& user_and_places) { return user_and_places.second; });
-    const bool has_more = greediest->second > places[user] + 1;
+    const auto greediest =
+        std::ranges::max_element(places, {}, [](const auto& one) { return one.second; });
+    const bool has_more = greediest->second > places[who] + 1;
     auto victim = clients_.end();
     for (auto client = clients_.begin(); client != clients_.end(); ++client) {
         const bool idle = client->ready() && !client->waits() && !client->repeats();
-        const bool may_go = client->user() == greediest->first && (idle || has_more);
+        const bool may_go = client->who() == greediest->first && (idle || has_more);
         if (may_go &&
             (victim == clients_.end() || std::pair(client->repeats(), client->quiet_since()) <
                                              std::pair(victim->repeats(), victim->quiet_since()))) {

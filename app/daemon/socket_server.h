@@ -33,8 +33,8 @@ struct SocketLimits {
 
 /// Serves a listening socket without waiting. Keeps at most one request and one answer of each
 /// client. If all places are taken, a client that waits for nothing gives way to a new one: of the
-/// user with the most places, the one that was quiet longest. Thread-bound to the main thread,
-/// which waits on `descriptor` until `due` and then calls `serve`.
+/// user or address with the most places, the one that was quiet longest. Thread-bound to the main
+/// thread, which waits on `descriptor` until `due` and then calls `serve`.
 class SocketServer {
   public:
     /// Answers a client. Returns false if the client must be dropped.
@@ -68,7 +68,7 @@ class SocketServer {
           answers_(std::move(answers)) {}
     void accept_all(Instant now);
     void refuse(UniqueFd client) const;
-    bool make_room_for(std::uint32_t user);
+    bool make_room_for(const std::string& who);
     bool serve_client(SocketClient& client, Instant now);
     bool repeat(SocketClient& client, Instant now);
     Instant patience_end(const SocketClient& client) const;

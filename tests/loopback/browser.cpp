@@ -11,10 +11,12 @@
 namespace tribus::test {
 namespace {
 
-int connected(int port) {
+int connected(int port, const std::string& from = "127.0.0.1") {
     const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     sockaddr_in address{};
     address.sin_family = AF_INET;
+    ::inet_pton(AF_INET, from.c_str(), &address.sin_addr);
+    ::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address);
     address.sin_port = htons(static_cast<std::uint16_t>(port));
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     if (::connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
@@ -91,13 +93,13 @@ void Browser::post_and_leave(const std::string& path, const nlohmann::json& body
         "POST " + path + " HTTP/1.1\r\nHost: " + host() + "\r\nCookie: " + cookie_ +
         "\r\nOrigin: http://" + host() + "\r\nContent-Type: application/json\r\nX-Tribus: 1\r\n" +
         "Content-Length: " + std::to_string(content.size()) + "\r\n\r\n" + content;
-    const int socket = connected(port_);
+    const int socket = connected(port_, from_);
     ::send(socket, text.data(), text.size(), MSG_NOSIGNAL);
     ::close(socket);
 }
 
 std::string Browser::raw(const std::string& bytes) const {
-    const int socket = connected(port_);
+    const int socket = connected(port_, from_);
     std::string received;
     ::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL);
     while (receive(socket, received, patience_)) {
@@ -107,7 +109,7 @@ std::string Browser::raw(const std::string& bytes) const {
 }
 
 std::string Browser::raw(const std::string& bytes, const std::string& more) const {
-    const int socket = connected(port_);
+    const int socket = connected(port_, from_);
     std::string received;
     ::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL);
     if (receive(socket, received, patience_)) {

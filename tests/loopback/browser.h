@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -28,7 +29,9 @@ struct BrowserAnswer {
 
 class Browser {
   public:
-    explicit Browser(int port) : port_(port) {}
+    /// `from`: the address from which it asks, one of 127.0.0.0/8.
+    explicit Browser(int port, std::string from = "127.0.0.1")
+        : port_(port), from_(std::move(from)) {}
 
     BrowserAnswer get(const std::string& path) const { return ask("GET", path, {}); }
     /// As the page itself sends it.
@@ -54,6 +57,7 @@ class Browser {
 
   private:
     int port_;
+    std::string from_;
     std::string cookie_;
     std::chrono::milliseconds patience_ = kBrowserPatience;
 };

@@ -29,6 +29,22 @@ TEST_F(WebLimits, ThirtyConnectionsThatAskNothingKeepNobodyOut) {
     EXPECT_TRUE(stream.next("status"));
 }
 
+TEST_F(WebLimits, StreamsFromOneAddressKeepNobodyOutWhoComesFromAnother) {
+    run_daemon();
+    serve();
+    std::list<Browser> greedy;
+    std::list<EventStream> streams;
+    for (int i = 0; i < 16; ++i) {
+        if (i % 4 == 0) {
+            greedy.push_back(paired());
+        }
+        streams.emplace_back(greedy.back(), port_, api("stream"));
+        EXPECT_TRUE(streams.back().next("status")) << i;
+    }
+    EXPECT_EQ(Browser(port_).get("/api/me").status, 0) << "all places are taken";
+    EXPECT_EQ(Browser(port_, "127.0.0.2").get("/api/me").status, 200);
+}
+
 /// What the kernel holds for it is bounded; the others get each status.
 TEST_F(WebLimits, AStreamThatNobodyReadsHoldsUpNoOther) {
     run_daemon();

@@ -45,7 +45,6 @@ TEST_F(Web, ACodePairsOneBrowserWhichThenSeesTheStatus) {
     serve();
     const std::string given = code();
     Browser browser(port_);
-    EXPECT_EQ(browser.post("/pair", {{"code", "AAAAAAAA"}}).json()["left"], 4);
     const BrowserAnswer answer = browser.pair(given);
     EXPECT_EQ(answer.status, 200);
     EXPECT_NE(answer.header("Set-Cookie").find("HttpOnly; SameSite=Strict; Path=/"),
@@ -56,6 +55,37 @@ TEST_F(Web, ACodePairsOneBrowserWhichThenSeesTheStatus) {
     EXPECT_EQ(browser.get(api("status")).json()["inputs"][0]["name"], "receiver");
     EXPECT_EQ(browser.post("/leave", json::object()).status, 200);
     EXPECT_EQ(browser.get(api("status")).status, 401);
+}
+
+TEST_F(Web, WhoTypesWrongCodesWaitsAndKeepsNobodyElseFromPairing) {
+    const Program& server = serve();
+    const std::string given = code();
+    Browser stranger(port_, "127.0.0.2");
+    const auto began = std::chrono::steady_clock::now();
+    const BrowserAnswer wrong = stranger.post("/pair", {{"code", "AAAAAAAA"}});
+    EXPECT_EQ(wrong.status, 403);
+    EXPECT_EQ(wrong.json()["wait_s"], 1);
+    EXPECT_EQ(wrong.header("Retry-After"), "1");
+    const BrowserAnswer right = stranger.pair(given);
+    if (std::chrono::steady_clock::now() - began < std::chrono::seconds(1)) {
+        EXPECT_EQ(right.status, 429) << "the pause lasts for a right code too";
+        EXPECT_EQ(Browser(port_).pair(given).status, 200);
+    }
+    EXPECT_TRUE(server.says("a wrong code came from 127.0.0.2; its next one counts after 1 s"));
+}
+
+TEST_F(Web, WrongCodesBehindAProxyOfTheBoardAreThoseOfWhomItSays) {
+    const Program& server = serve();
+    code();
+    const Browser proxy(port_);
+    EXPECT_EQ(
+        proxy.post("/pair", {{"code", "AAAAAAAA"}}, {{"X-Forwarded-For", "203.0.113.9, 192.0.2.7"}})
+            .status,
+        403);
+    EXPECT_TRUE(server.says("a wrong code came from 192.0.2.7; ")) << "the nearest one is last";
+    EXPECT_EQ(
+        proxy.post("/pair", {{"code", "AAAAAAAA"}}, {{"X-Forwarded-For", "192.0.2.8"}}).status,
+        403);
 }
 
 TEST_F(Web, AStreamBringsEachStatusAndSaysWhenTheDaemonHangsAndIsBack) {

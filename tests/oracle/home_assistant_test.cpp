@@ -49,8 +49,8 @@ class HomeAssistant : public testing::Test {
         return json::parse(mqtt::discovery_payload(mqtt::topics_of("tribus", board, "servos"),
                                                    board, status(), "0.2.0"));
     }
-    /// The rendered texts of that kind of component, in the order of the names.
-    static std::vector<std::string> rendered(const std::string& kind, const std::string& shown) {
+    /// The rendered texts of that fact of each part of a kind, in the order of the names.
+    static std::vector<std::string> rendered(const std::string& kind, const std::string& fact) {
         const TemporaryFolder folder;
         const json message = discovery("pi.lan");
         std::ofstream(folder.path() / "messages") << message.dump() << '\n'
@@ -63,8 +63,9 @@ class HomeAssistant : public testing::Test {
         std::vector<std::string> all;
         for (const std::string& name : kNames) {
             for (const auto& [id, component] : message["components"].items()) {
-                if (id.find("--" + kind + "--") != std::string::npos &&
-                    component["name"] == shown + name) {
+                const bool of_kind = id.find("--" + kind + "--") != std::string::npos;
+                if (of_kind &&
+                    component["name"] == (fact.empty() ? name : kind + " " + name + " " + fact)) {
                     all.push_back(texts.value(id, "not rendered"));
                 }
             }
@@ -83,8 +84,8 @@ TEST_F(HomeAssistant, FindsTheNumberOfEachValue) {
 }
 
 TEST_F(HomeAssistant, FindsTheStateOfEachInputAndOutput) {
-    EXPECT_EQ(rendered("input", "Input "), std::vector<std::string>(kNames.size(), "ON"));
-    EXPECT_EQ(rendered("output", "Output "), std::vector<std::string>(kNames.size(), "control"));
+    EXPECT_EQ(rendered("input", "good"), std::vector<std::string>(kNames.size(), "ON"));
+    EXPECT_EQ(rendered("output", "state"), std::vector<std::string>(kNames.size(), "control"));
 }
 
 TEST_F(HomeAssistant, TakesTheIdsOfDevicesAndComponents) {

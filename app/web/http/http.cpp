@@ -87,6 +87,10 @@ HttpRequest request_of(Message&& message, std::size_t bytes) {
     request.cookie = text_of(message[http::field::cookie]);
     request.content_type = text_of(message[http::field::content_type]);
     request.if_match = text_of(message[http::field::if_match]);
+    // Each proxy adds whom it saw, and the nearest one is last.
+    const std::string forwarded = text_of(message["X-Forwarded-For"]);
+    const std::size_t last = forwarded.find_last_of(", ");
+    request.forwarded_for = last == std::string::npos ? forwarded : forwarded.substr(last + 1);
     request.marked = message["X-Tribus"] == "1";
     request.takes_gzip =
         text_of(message[http::field::accept_encoding]).find("gzip") != std::string::npos;

@@ -23,12 +23,11 @@ async function asset(board, response, name) {
 
 async function pair(board, request, response) {
     const { code } = await readJson(request);
-    if (board.triesLeft === 0) {
+    if (board.code === null) {
         throw new Refusal(410, 'No code is valid now.');
     }
     if (code !== board.code) {
-        board.triesLeft -= 1;
-        throw new Refusal(403, 'The code is wrong.', { left: board.triesLeft });
+        throw new Refusal(403, 'The code is wrong.', { wait_s: 2 });
     }
     board.paired = true;
     answerJson(response, { role: board.role });

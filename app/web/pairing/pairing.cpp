@@ -180,10 +180,8 @@ tl::expected<std::string, std::string> PairingFolder::make_code(Role role, WallT
     for (const std::uint8_t byte : random) {
         code.push_back(kSigns[byte % kSigns.size()]);
     }
-    const PairingJson json{{"code", code},
-                           {"role", word_of(role)},
-                           {"until", (now + kCodeLasts).count()},
-                           {"tries", kTries}};
+    const PairingJson json{
+        {"code", code}, {"role", word_of(role)}, {"until", (now + kCodeLasts).count()}};
     if (auto written = write(folder_ / kCodeFile, json.dump() + "\n"); !written) {
         return Refused(written.error());
     }
@@ -200,26 +198,27 @@ tl::expected<CodeTried, std::string> PairingFolder::try_code(
         return Refused(lock.error());
     }
     const fs::path file = folder_ / kCodeFile;
-    auto json = stored_in(file);
+    const auto json = stored_in(file);
     if (!json) {
         return Refused(json.error());
     }
-    const std::int64_t left = is_valid(*json, now) ? number_in(*json, "tries") - 1 : -1;
-    const bool right = left >= 0 && plain(typed) == word_in(*json, "code");
-    if (right || left <= 0) {
-        const auto role = right ? role_of(word_in(*json, "role")) : std::nullopt;
-        const auto added = role && joins ? add(joins->name, *role, joins->hash, now)
-                                         : tl::expected<void, std::string>();
+    if (!is_valid(*json, now)) {
         std::error_code ignored;
         fs::remove(file, ignored);
-        return added ? tl::expected<CodeTried, std::string>(CodeTried{role, 0})
-                     : Refused(added.error());
+        return CodeTried{};
     }
-    (*json)["tries"] = left;
-    if (auto written = write(file, json->dump() + "\n"); !written) {
-        return Refused(written.error());
+    if (plain(typed) != word_in(*json, "code")) {
+        return CodeTried{std::nullopt, true};
     }
-    return CodeTried{std::nullopt, static_cast<int>(left)};
+    const auto role = role_of(word_in(*json, "role"));
+    if (joins) {
+        if (const auto added = add(joins->name, *role, joins->hash, now); !added) {
+            return Refused(added.error());
+        }
+    }
+    std::error_code ignored;
+    fs::remove(file, ignored);
+    return CodeTried{role, false};
 }
 
 tl::expected<void, std::string> PairingFolder::add_session(std::string_view name, Role role,

@@ -34,7 +34,7 @@ struct Session {
 /// The result of a code that somebody typed.
 struct CodeTried {
     std::optional<Role> role;  ///< nothing: the code is wrong, or none is valid
-    int left = 0;              ///< further tries; 0: a new code is needed
+    bool any_valid = false;    ///< there is a code that would be right
 };
 
 /// A browser that has typed a code.
@@ -50,7 +50,6 @@ class PairingFolder {
     explicit PairingFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
     static constexpr WallTime kCodeLasts = std::chrono::minutes(5);
-    static constexpr int kTries = 5;
     static constexpr WallTime kSessionLasts = std::chrono::hours(24 * 90);
     static constexpr std::size_t kMostSessions = 64;
 
@@ -61,8 +60,10 @@ class PairingFolder {
     /// follows if it is made.
     tl::expected<std::string, std::string> make_code(Role role, WallTime now,
                                                      const Step& then = {});
-    /// A right code is used up, and a wrong one takes one of its tries. With a right one the
-    /// browser `joins`, before the code goes: in between, `lets_change` must not be false.
+    /// A right code is used up; a wrong one changes nothing, else whoever reaches the page could
+    /// end each code (`PairingPauses` limits the tries; in the five minutes of a code, 200 tries a
+    /// second hit one of 10^12 with a chance of 1 to 18 million). With a right one the browser
+    /// `joins`, before the code goes: in between, `lets_change` must not be false.
     tl::expected<CodeTried, std::string> try_code(std::string_view typed, WallTime now,
                                                   const std::optional<JoiningBrowser>& joins = {});
 

@@ -110,7 +110,7 @@ bool Site::answer_route(SocketClient& client, const HttpRequest& request, const 
                           refused(404, "there is no daemon and no configuration of that name"),
                           now);
     }
-    const Asked asked{request, visitor, *daemon, last, now};
+    const Asked asked{request, visitor, *daemon, last, client.who(), now};
     return one.answer == nullptr ? begin_stream(client, asked)
                                  : send_reply(client, request, (this->*one.answer)(asked), now);
 }

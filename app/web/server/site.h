@@ -23,7 +23,9 @@
 #include "app/web/http/files.h"
 #include "app/web/http/http.h"
 #include "app/web/pairing/pairing.h"
+#include "app/web/pairing/pairing_pauses.h"
 #include "app/web/server/routes.h"
+#include "core/rate_limit.h"
 #include "core/time.h"
 
 namespace tribus::web {
@@ -111,6 +113,7 @@ class Site {
         const std::optional<Visitor>& visitor;  ///< set where the route is not for anybody
         const KnownDaemon& daemon;  ///< of the path's first name; empty if the path has none
         const std::string& name;    ///< the path's last name; empty if it has none
+        const std::string& who;     ///< see `SocketClient::who`
         Instant now;
     };
     struct SiteRoute {
@@ -186,6 +189,8 @@ class Site {
     PageFiles files_;
     PairingFolder pairing_;
     SessionsInMemory sessions_;
+    PairingPauses pairing_pauses_;
+    RateLimit wrong_codes_limit_{3, std::chrono::minutes(1)};
     std::vector<std::string> names_;
     std::list<std::weak_ptr<Stream>> streams_;
     std::map<std::string, std::unique_ptr<DaemonWatch>> watches_;

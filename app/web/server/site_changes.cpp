@@ -98,7 +98,7 @@ std::optional<HttpAnswer> Site::why_no_draft(const Asked& asked, const std::stri
 }
 
 Site::Reply Site::begin_draft(const Asked& asked) {
-    const auto& [request, visitor, daemon, name, now] = asked;
+    const auto& [request, visitor, daemon, name, who, now] = asked;
     auto text = text_in(request.body, "toml");
     const std::int64_t seconds = number_in(request.body, "seconds").value_or(kUsualTrialSeconds);
     if (!text || seconds < 1 || seconds > kMostTrialSeconds) {

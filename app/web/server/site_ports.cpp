@@ -67,7 +67,7 @@ Site::Reply Site::go_on_learning(const Asked& asked) {
 }
 
 Site::Reply Site::begin_learning(const Asked& asked) {
-    const auto& [request, visitor, known, name, now] = asked;
+    const auto& [request, visitor, known, name, who, now] = asked;
     if (others_learn(*visitor)) {
         return refused(409, kOthersLearn);
     }

@@ -68,46 +68,6 @@ std::optional<Site::Visitor> Site::visitor_with(std::string_view hash) {
     return session == nullptr ? std::nullopt : std::optional(Visitor{session->role, session->hash});
 }
 
-Site::Reply Site::pair(const Asked& asked) {
-    const HttpRequest& request = asked.request;
-    const auto code = text_in(request.body, "code");
-    if (!code) {
-        return refused(400, "the code is missing");
-    }
-    const auto cookie = new_cookie();
-    if (!cookie) {
-        return refused(500, cookie.error());
-    }
-    const auto tried = pairing_.try_code(
-        *code, wall_now(),
-        JoiningBrowser{text_in(request.body, "name").value_or(""), hash_of_cookie(*cookie)});
-    if (!tried) {
-        return refused(500, tried.error());
-    }
-    if (!tried->role) {
-        return tried->left > 0
-                   ? json_answer({{"error", "the code is wrong"}, {"left", tried->left}}, 403)
-                   : refused(410, "no code is valid now; `sudo tribus pair` prints a new one");
-    }
-    HttpAnswer answer = json_answer({{"role", std::string(word_of(*tried->role))}});
-    answer.headers =
-        fmt::format("Set-Cookie: {}={}; HttpOnly; SameSite=Strict; Path=/; Max-Age={}\r\n",
-                    cookie_name(request.host), *cookie, PairingFolder::kSessionLasts.count());
-    return answer;
-}
-
-Site::Reply Site::leave(const Asked& asked) {
-    const std::string name = cookie_name(asked.request.host);
-    if (auto left = pairing_.leave(hash_of_cookie(cookie_value(asked.request.cookie, name)));
-        !left) {
-        return refused(500, left.error());
-    }
-    HttpAnswer answer = json_answer(nlohmann::ordered_json::object());
-    answer.headers =
-        fmt::format("Set-Cookie: {}=; HttpOnly; SameSite=Strict; Path=/; Max-Age=0\r\n", name);
-    return answer;
-}
-
 DaemonWatch* Site::watch_of(const std::string& daemon) {
     auto& watch = watches_[daemon];
     if (!watch) {
@@ -124,7 +84,7 @@ DaemonWatch* Site::watch_of(const std::string& daemon) {
 }
 
 bool Site::begin_stream(SocketClient& client, const Asked& asked) {
-    const auto& [request, visitor, daemon, name, now] = asked;
+    const auto& [request, visitor, daemon, name, who, now] = asked;
     std::vector<std::shared_ptr<Stream>> own;
     for (const auto& one : streams_) {
         auto stream = one.lock();

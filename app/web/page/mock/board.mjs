@@ -27,7 +27,6 @@ export class Board {
     role = 'change';
     public = false;
     code = '7K3M9QPA';
-    triesLeft = 5;
     /** False: streams stay open and bring nothing. */
     sends = true;
     gone = null;

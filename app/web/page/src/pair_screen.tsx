@@ -10,11 +10,10 @@ const CODE_SIGNS = 8;
 const tidy = (code: string): string => code.toUpperCase().replace(/[^A-Z0-9]/g, '');
 
 function refusal(error: unknown): string {
-    const left = error instanceof ApiError ? error.body.left : undefined;
-    const tries = typeof left === 'number'
-        ? ` ${left} ${left === 1 ? 'try is' : 'tries are'} left for this code.` : '';
+    const wait = error instanceof ApiError ? error.body.wait_s : undefined;
+    const pause = typeof wait === 'number' ? ` The next one counts in ${wait} s.` : '';
     const again = statusOf(error) === 410 ? ' Run sudo tribus pair on the board again.' : '';
-    return errorText(error) + tries + again;
+    return errorText(error) + pause + again;
 }
 
 export function PairScreen() {

@@ -47,15 +47,16 @@ BA_ "GenMsgCycleTime" BO_ 305 50;
 SIG_VALTYPE_ 306 Float : 1;
 )" + test::j1939_frames({2365512958, 2365512755, 2566852608});
 
-inline Lines mistakes_in(std::string_view dbc, std::string_view signals,
-                         SettingScope scope = SettingScope::output, std::string_view cycles = {}) {
+inline Lines mistakes_of_signals(std::string_view dbc, std::string_view signals,
+                                 SettingScope scope = SettingScope::output,
+                                 std::string_view cycles = {}) {
     const auto map = build_dbc_map(test::dbc_settings(dbc, signals, cycles), scope);
     return map ? Lines{} : test::told(map.error());
 }
 
 inline Lines mistakes(std::string_view signals, SettingScope scope = SettingScope::output,
                       std::string_view cycles = {}) {
-    return mistakes_in(kBus, signals, scope, cycles);
+    return mistakes_of_signals(kBus, signals, scope, cycles);
 }
 
 inline DbcMap map_of(std::string_view signals, SettingScope scope = SettingScope::output,

@@ -43,21 +43,22 @@ SG_MUL_VAL_ 2 Below Alone 3-3;
 
 TEST(DbcMap, RefusesASignalWhosePageTheFileDoesNotSay) {
     for (const SettingScope scope : {SettingScope::input, SettingScope::output}) {
-        EXPECT_EQ(mistakes_in(kHalfMultiplexed, R"({"M": {"Bare": 1}})", scope),
+        EXPECT_EQ(mistakes_of_signals(kHalfMultiplexed, R"({"M": {"Bare": 1}})", scope),
                   Lines{"signals.M.Bare: " + std::string(kUnknownPage)});
-        EXPECT_EQ(mistakes_in(kHalfMultiplexed, R"({"N": {"Below": 1}})", scope),
+        EXPECT_EQ(mistakes_of_signals(kHalfMultiplexed, R"({"N": {"Below": 1}})", scope),
                   Lines{"signals.N.Below: " + std::string(kUnknownPage)});
     }
 }
 
 TEST(DbcMap, TakesTheOtherSignalsOfTheSameMessage) {
-    EXPECT_EQ(mistakes_in(kHalfMultiplexed, R"({"M": {"Known": 1}})"), Lines{});
-    EXPECT_EQ(mistakes_in(kHalfMultiplexed, R"({"M": {"Always": 1}})"), Lines{});
+    EXPECT_EQ(mistakes_of_signals(kHalfMultiplexed, R"({"M": {"Known": 1}})"), Lines{});
+    EXPECT_EQ(mistakes_of_signals(kHalfMultiplexed, R"({"M": {"Always": 1}})"), Lines{});
 }
 
 TEST(DbcMap, RefusesADirectionWhosePageTheFileDoesNotSay) {
     EXPECT_EQ(
-        mistakes_in(kHalfMultiplexed, R"({"M": {"Always": {"channel": 1, "negative": "Sign"}}})"),
+        mistakes_of_signals(kHalfMultiplexed,
+                            R"({"M": {"Always": {"channel": 1, "negative": "Sign"}}})"),
         Lines{
             "signals.M.Always.negative: \"Sign\" cannot give the direction of \"Always\"; allowed: "
             "another signal of 1 or 2 bits in the same frames"});

@@ -68,12 +68,12 @@ TEST(DbcMap, AnOutputMaySendAChannelTwice) {
 }
 
 TEST(DbcMap, ReportsAMistakeOfTheFileWithItsPlace) {
-    const Lines found = mistakes_in("BO_ 1 M: 8 A\n SG_ S : 60|8@1+ (1,0) [0|0] \"\" B",
-                                    R"({"M": {"S": 1}})", SettingScope::input);
+    const Lines found = mistakes_of_signals("BO_ 1 M: 8 A\n SG_ S : 60|8@1+ (1,0) [0|0] \"\" B",
+                                            R"({"M": {"S": 1}})", SettingScope::input);
     EXPECT_EQ(found,
               Lines{"signals.M.S: signal \"S\" cannot be used because of a mistake in line 2, "
                     "column 6 of the DBC file: signal S needs 9 bytes, but message M has 8"});
-    EXPECT_EQ(mistakes_in("BO_ 1 M: 8 A\nCM_ \"", R"({"M": {"S": 1}})").at(0),
+    EXPECT_EQ(mistakes_of_signals("BO_ 1 M: 8 A\nCM_ \"", R"({"M": {"S": 1}})").at(0),
               "dbc: bus.dbc:2:5: text without its closing quote");
 }
 
@@ -253,12 +253,12 @@ TEST(DbcMap, AnOutputSendsAtMost16Frames) {
                " : 0|8@1+ (1,0) [0|9] \"\" B\n";
         signals += (i == 1 ? "" : ", ") + ("\"M" + number + "\": {\"S" + number + "\": 1}");
     }
-    EXPECT_EQ(mistakes_in(dbc, signals + "}"),
+    EXPECT_EQ(mistakes_of_signals(dbc, signals + "}"),
               Lines{"signals: they need 17 frames; allowed: at most 16"});
 }
 
 TEST(DbcMap, SaysThatAFileHasNoMessageAtAll) {
-    EXPECT_EQ(mistakes_in("VERSION \"\"\n", R"({"M": {"S": 1}})"),
+    EXPECT_EQ(mistakes_of_signals("VERSION \"\"\n", R"({"M": {"S": 1}})"),
               Lines{"signals.M: the DBC file has no message \"M\"; it has no messages: no line "
                     "begins with BO_"});
 }

@@ -26,7 +26,7 @@ Role role(std::string_view json) {
     return found == nullptr ? Role{} : *found;
 }
 
-Lines mistakes_in(std::string_view json) {
+Lines mistakes_of_signals(std::string_view json) {
     std::vector<SettingMistake> mistakes;
     read_dbc_role(test::setting_tree(json), {"signals", "M", "S"}, mistakes);
     return test::told(mistakes);
@@ -77,7 +77,7 @@ struct Wrong {
 class WrongDbcRole : public testing::TestWithParam<Wrong> {};
 
 TEST_P(WrongDbcRole, IsToldWithWhatIsAllowed) {
-    EXPECT_EQ(mistakes_in(GetParam().json), Lines{std::string(GetParam().expected)});
+    EXPECT_EQ(mistakes_of_signals(GetParam().json), Lines{std::string(GetParam().expected)});
 }
 
 constexpr std::string_view kUnclear =
@@ -144,7 +144,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 /// The keys that the reader knows beside `json`, as its message about an unknown one lists them.
 std::set<std::string> known_keys(std::string_view json) {
-    const Lines told = mistakes_in(json);
+    const Lines told = mistakes_of_signals(json);
     const std::string text = told.empty() ? "" : told.back();
     std::set<std::string> keys;
     std::size_t at = text.find("allowed here: ");
@@ -173,10 +173,12 @@ TEST(DbcRole, TheManualListsTheKeysThatAreRead) {
 
 TEST(DbcRole, TheManualListsTheWordsThatAreRead) {
     for (const std::string_view flag : kDbcFlagChoices) {
-        EXPECT_EQ(mistakes_in(R"({"flag": ")" + std::string(flag) + R"("})"), Lines{}) << flag;
+        EXPECT_EQ(mistakes_of_signals(R"({"flag": ")" + std::string(flag) + R"("})"), Lines{})
+            << flag;
     }
     for (const std::string_view checksum : kDbcChecksumChoices) {
-        EXPECT_EQ(mistakes_in(R"({"checksum": ")" + std::string(checksum) + R"("})"), Lines{})
+        EXPECT_EQ(mistakes_of_signals(R"({"checksum": ")" + std::string(checksum) + R"("})"),
+                  Lines{})
             << checksum;
     }
 }
