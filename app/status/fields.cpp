@@ -72,6 +72,9 @@ OrderedJson start_since_boot(const StatusPart& part) {
 OrderedJson figures_age(const StatusPart& part) {
     return age(part.report.figures_at, part.report.now);
 }
+OrderedJson absences(const StatusPart& part) {
+    return part.report.absence.count;
+}
 OrderedJson realtime_parts_missing(const StatusPart& part) {
     return part.report.missing_realtime.size();
 }
@@ -119,6 +122,10 @@ constexpr StatusField kFields[]{
      "everything else here is old**",
      figures_age,
      {.may_be_null = true, .metric = "figures_age_seconds", .fleet = "figures_age_s"}},
+    {"absences", FieldKind::counter,
+     "times that the program did not run for 100 ms or longer: it was stopped, suspended, or "
+     "without processor time",
+     absences},
     {"missing_realtime",
      FieldKind::other,
      "sentences: which part of real time is missing",

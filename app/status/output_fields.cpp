@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -63,6 +65,17 @@ OrderedJson is_unable_to_send(const StatusPart& part) {
 }
 OrderedJson text(const StatusPart& part) {
     return output_text(status(part).state, input_names(part));
+}
+OrderedJson state_age(const StatusPart& part) {
+    return age(status(part).stage_since, part.report.now);
+}
+/// The channels that send their presets.
+OrderedJson by_preset(const StatusPart& part) {
+    OrderedJson json = OrderedJson::array();
+    for (std::uint32_t left = status(part).state.by_preset; left != 0; left &= left - 1) {
+        json.push_back(std::countr_zero(left) + 1);
+    }
+    return json;
 }
 OrderedJson waits_for(const StatusPart& part) {
     return text_or_null(wait_text(status(part).state, status(part).wait, input_names(part)));
@@ -141,6 +154,11 @@ constexpr StatusField kFields[]{
      [](const StatusPart& part) { return word_in(kObstacles, status(part).state.obstacle); },
      {.may_be_null = true, .words = std::span(kObstacles).subspan(1), .fleet = "obstacle"}},
     {"text", FieldKind::text, "the state as the log says it", text},
+    {"state_age_us",
+     FieldKind::time,
+     "for how long `state` has been so; of `hold`: since the values were lost",
+     state_age,
+     {.may_be_null = true, .fleet = "for_s"}},
     {"waits_for",
      FieldKind::text,
      "what it waits for while it is not in control, and how far that is, such as `\"receiver: good "
@@ -183,6 +201,11 @@ constexpr StatusField kFields[]{
      "inputs that a median outvotes",
      outvoted,
      {.shape = "string[]"}},
+    {"by_preset",
+     FieldKind::other,
+     "channels that send their preset because the channel that they are mapped from is absent",
+     by_preset,
+     {.shape = "number[]"}},
     {"rate_hz",
      FieldKind::amount,
      "frames in the last second",

@@ -113,6 +113,7 @@ StatusReport StatusKeeper::report(const Appliance& appliance, Instant now,
     report.wall_time = wall_time;
     report.started = started_;
     report.missing_realtime = appliance.missing_realtime();
+    report.absence = appliance.absence();
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
         report.inputs.push_back(input_report(appliance, i, inputs_[i], now));
     }

@@ -74,6 +74,7 @@ struct StatusReport {
     std::optional<std::uint64_t> trial;  ///< its number
     std::string fingerprint;             ///< of the configuration with every default
     std::vector<std::string> missing_realtime;
+    AbsenceStatus absence;
     std::vector<InputReport> inputs;
     std::vector<OutputReport> outputs;
     std::vector<PortReport> ports;

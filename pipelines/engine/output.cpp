@@ -85,6 +85,15 @@ OutputState Output::state(Instant now) const {
     return state;
 }
 
+Instant Output::look_at_stage(Instant now) {
+    if (stage() != ongoing_.stage_before) {
+        ongoing_.stage_before = stage();
+        ongoing_.stage_since =
+            stage() == OutputStage::holding ? std::min(ongoing_.holding_since, now) : now;
+    }
+    return ongoing_.stage_since;
+}
+
 OutputWait Output::wait(Instant now, std::span<const Input> inputs) const {
     if (stage() == OutputStage::control || stage() == OutputStage::cannot_send) {
         return {};

@@ -118,7 +118,10 @@ class Output {
     explicit Output(OutputSettings settings);
 
     /// Starts the schedule.
-    void start(Instant now) { schedule_.start(now); }
+    void start(Instant now) {
+        schedule_.start(now);
+        ongoing_.stage_since = now;
+    }
     /// Sets the source of named values. Call before `start`. `board` must outlive the output.
     void use(const ValueBoard& board) { encoder_.encoder().use(board); }
     /// Takes the slews in the maps of its inputs, of the engine's `inputs`. Call before `start`.
@@ -189,6 +192,9 @@ class Output {
         return ongoing_.obstacle == SendObstacle::none ? ongoing_.stage : OutputStage::cannot_send;
     }
     OutputState state(Instant now) const;
+    /// Since when the stage is so, as far as the calls show, which should be a few a second; of
+    /// `holding`: since the values were lost.
+    Instant look_at_stage(Instant now);
     /// What it waits for at `now` while no input is in control.
     OutputWait wait(Instant now, std::span<const Input> inputs) const;
     /// Whether an input could control it at `now`, as far as the input itself is concerned. False
@@ -235,6 +241,9 @@ class Output {
         Instant latest_at{};
         OutputCounts counts{};
         Answers answers{};
+        /// What `look_at_stage` found, and when first.
+        OutputStage stage_before = OutputStage::failsafe;
+        Instant stage_since{};
     };
 
     bool must_yield(Instant now) const;

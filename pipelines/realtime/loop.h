@@ -114,6 +114,7 @@ struct OutputFigures {
     OutputCounts counts;
     std::uint64_t overruns = 0;
     OutputState state;
+    Instant stage_since{};
     /// When the next frame is due, and the period.
     Instant due{};
     Duration period{};

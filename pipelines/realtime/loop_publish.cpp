@@ -49,13 +49,14 @@ void Loop::publish_input(std::size_t index, Instant now) {
 }
 
 void Loop::publish_output(std::size_t index, Instant now) {
-    const Output& output = engine_.outputs()[index];
+    Output& output = engine_.output(index);
     OutputFigures status;
     status.at = now;
     status.latest = output.latest();
     status.counts = output.counts();
     status.overruns = output.overruns();
     status.state = output.state(now);
+    status.stage_since = output.look_at_stage(now);
     status.due = output.due();
     status.period = output.period();
     status.sends = output.sends();

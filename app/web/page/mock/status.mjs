@@ -23,7 +23,7 @@ function sticks(count, seconds) {
 
 export function input(name, protocol, port, channels, seconds) {
     return {
-        name, protocol, port, state: 'good', cause: 'good', sign: 'none', text: 'good',
+        name, protocol, port, state: 'good', good: true, cause: 'good', sign: 'none', text: 'good',
         state_age_us: 3_004_476,
         rate_hz: jitter(129, 131), interval_us: 7700, age_us: Math.round(jitter(300, 7700)),
         channels: sticks(channels, seconds), frame_lost: false, failsafe: false, bytes: 11_584,
@@ -38,11 +38,12 @@ export function output(name, protocol, port, inputs, from) {
     return {
         name, protocol, port, inputs, state: 'control', text: `under control of ${inputs[0]}`,
         obstacle: null, waits_for: null, forced: false, awaits_release: false, input: inputs[0],
-        outvoted: [], rate_hz: jitter(70.5, 71.5),
+        outvoted: [], by_preset: [], state_age_us: 2_900_000, hold_us: 300_000,
+        rate_hz: jitter(70.5, 71.5),
         period_us: 14_000, channels: [...from.channels, 1500, 1500, 1500, 1500].slice(0, 18),
         frame_lost: false, failsafe: false, cause: 'good', frames: 232, overruns: 0,
         deadline_misses: 0, dropped: { busy: 0, lost: 0, unavailable: 0 }, foreign_frames: 0,
-        failsafe_entries: 0, recoveries: 0, changeovers: 0,
+        hold_entries: 0, failsafe_entries: 0, recoveries: 0, changeovers: 0,
         lateness: distribution(0.1, jitter(12, 40), jitter(60, 90)),
         latency: distribution(45.3, jitter(1500, 2846), jitter(3000, 3794)),
     };
@@ -84,7 +85,9 @@ const CHANGES = {
     },
     hold(status) {
         lose(status, 'wire_silent', 120_000);
-        all(status, { state: 'hold', text: 'holding the last values', input: null, frame_lost: true, cause: 'wire_silent',
+        all(status, {
+            state: 'hold', text: 'holding the last values', input: null, frame_lost: true,
+            cause: 'wire_silent', state_age_us: 120_000,
             channels: [...sticks(14, 1), 1500, 1500, 1500, 1500] });
     },
     failsafe(status) {

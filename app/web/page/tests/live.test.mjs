@@ -22,7 +22,7 @@ const WORDS = [
     ['good', 'control', /^under control of receiver$/, /^$/],
     ['never_seen', 'waiting', /^waiting: in failsafe$/, /receiver: never seen/],
     ['hold', 'hold', /^holding the last values$/,
-        /receiver: wire silent \(as the daemon says\) for 120 ms/],
+        /^failsafe in 180 ms; receiver: wire silent \(as the daemon says\) for 120 ms/],
     ['failsafe', 'failsafe', /^in failsafe$/,
         /presets; receiver: radio lost \(as the daemon says\) for 4.2 s/],
     ['forced', 'failsafe', /^in failsafe, forced$/, /GPIO line/],

@@ -25,7 +25,8 @@ Json status() {
         "fingerprint":"f00d","trial":null,"trial_left_us":null,
         "inputs":[{"name":"receiver","state":"good","cause":"good","state_age_us":5000000,
                    "rate_hz":130,"age_us":3000}],
-        "outputs":[{"name":"servos","state":"control","input":"receiver","obstacle":null,
+        "outputs":[{"name":"servos","state":"control","state_age_us":2000000,
+                    "input":"receiver","obstacle":null,
                     "rate_hz":71.5}],
         "ports":[{"name":"/dev/ttyAMA0","kind":"serial","present":true},
                  {"name":"can0","kind":"can","present":true,"can":{"state":"ready"}}],
@@ -49,7 +50,7 @@ TEST(MqttStatus, HasStatesCausesAndValuesWithTheirAges) {
     EXPECT_EQ(told["inputs"]["receiver"], Json::parse(R"({"good":true,"cause":"good","for_s":5.0,
         "rate_hz":130.0,"age_s":0.003})"));
     EXPECT_EQ(told["outputs"]["servos"], Json::parse(R"({"state":"control","input":"receiver",
-        "obstacle":null,"waits_for":null,"rate_hz":71.5})"));
+        "obstacle":null,"for_s":2.0,"waits_for":null,"rate_hz":71.5})"));
     EXPECT_EQ(told["devices"]["can0"], Json::parse(R"({"present":true,"bus":"ready"})"));
     EXPECT_EQ(told["values"]["pack.voltage"],
               Json::parse(R"({"number":12.25,"unit":"V","age_s":0.2})"));
@@ -62,7 +63,7 @@ TEST(MqttStatus, SaysWhatAnOutputWaitsFor) {
     waiting["outputs"][0]["waits_for"] = "receiver: good for 0.2 of 0.5 s";
     EXPECT_EQ(Json::parse(status_payload(waiting))["outputs"]["servos"],
               Json::parse(R"({"state":"failsafe","input":null,"obstacle":null,
-        "waits_for":"receiver: good for 0.2 of 0.5 s","rate_hz":71.5})"));
+        "for_s":2.0,"waits_for":"receiver: good for 0.2 of 0.5 s","rate_hz":71.5})"));
 }
 
 TEST(MqttStatus, HasNoNumberOfAValueThatIsStale) {

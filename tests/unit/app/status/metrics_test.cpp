@@ -64,6 +64,14 @@ class Metrics : public testing::Test {
     StatusReport report_;
 };
 
+TEST_F(Metrics, CountLossesThatNeverCameAsZero) {
+    report_.inputs[0].status.counts.began[static_cast<std::size_t>(LinkCause::late)] = 2;
+    const std::string losses = "tribus_input_losses_total{daemon=\"car\",input=\"main\",cause=\"";
+    EXPECT_TRUE(tells(losses + "late\"} 2"));
+    EXPECT_TRUE(tells(losses + "forged\"} 0"));
+    EXPECT_TRUE(tells(losses + "wire_silent\"} 0"));
+}
+
 TEST_F(Metrics, CountByName) {
     EXPECT_TRUE(tells("tribus_input_frames_total{daemon=\"car\",input=\"main\"} 42"))
         << metrics_text(report_);

@@ -87,6 +87,26 @@ TEST_F(StatusJson, SaysWhoAndWhen) {
     EXPECT_EQ(status["figures_age_us"], 40'000);
 }
 
+TEST_F(StatusJson, SaysForHowLongAnOutputIsInItsState) {
+    output().stage_since = kNow - std::chrono::milliseconds(120);
+    EXPECT_EQ(told()["outputs"][0]["state_age_us"], 120'000);
+}
+
+TEST_F(StatusJson, NamesTheChannelsThatSendTheirPresets) {
+    EXPECT_EQ(told()["outputs"][0]["by_preset"], json::array());
+    output().state.by_preset = 1U << 4U | 1U << 17U;
+    EXPECT_EQ(told()["outputs"][0]["by_preset"], json({5, 18}));
+}
+
+TEST_F(StatusJson, SaysWhatElseOnlyTheLogSaid) {
+    EXPECT_EQ(told()["inputs"][0]["two_senders"], false);
+    EXPECT_EQ(told()["absences"], 0);
+    input().two_senders = true;
+    report_.absence.count = 2;
+    EXPECT_EQ(told()["inputs"][0]["two_senders"], true);
+    EXPECT_EQ(told()["absences"], 2);
+}
+
 TEST_F(StatusJson, HasNoAgeOfFiguresThatNeverCame) {
     report_.figures_at = Instant{};
     EXPECT_TRUE(told()["figures_age_us"].is_null());

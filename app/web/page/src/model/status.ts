@@ -30,6 +30,7 @@ export interface Input {
     frame_lost_frames: number;
     failsafe_frames: number;
     implausible: { frames: number; channel: number | null; us: number | null; plausible_us: [number, number] | null };
+    two_senders: boolean;
     skipped_bytes: number;
     device_losses: number;
     rejected: Record<string, number>;
@@ -51,6 +52,7 @@ export interface Output {
     state: 'control' | 'hold' | 'failsafe' | 'silent' | 'cannot_send';
     obstacle: 'device' | 'bus' | 'busy' | 'receiver' | 'epoch' | null;
     text: string;
+    state_age_us: number | null;
     waits_for: string | null;
     hold_us: number | null;
     action: 'preset' | 'hold' | 'silence' | null;
@@ -60,6 +62,7 @@ export interface Output {
     module: 'heard' | 'silent' | 'unreadable' | null;
     input: string | null;
     outvoted: string[];
+    by_preset: number[];
     rate_hz: number;
     period_us: number;
     channels: (number | null)[];
@@ -164,6 +167,7 @@ export interface Status {
     trial: number | null;
     fingerprint: string;
     figures_age_us: number | null;
+    absences: number;
     missing_realtime: string[];
     inputs: Input[];
     pipelines: Pipeline[];

@@ -35,6 +35,10 @@ export function inputText(input: Input): string {
 /** What the output does with the wire meanwhile. */
 export function sendsText(output: Output): string {
     switch (output.state) {
+        case 'hold': {
+            const left = (output.hold_us ?? 0) - (output.state_age_us ?? 0);
+            return left > 0 ? `failsafe in ${duration(left)}` : '';
+        }
         case 'failsafe':
             return 'it sends its presets';
         case 'silent':
