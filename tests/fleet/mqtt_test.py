@@ -115,6 +115,7 @@ class Told(unittest.TestCase):
         self.assertTrue(eventually(lambda: late.last(f"{self.of_car}/availability") == "online"))
 
     def test_a_pulled_wire_is_an_event_with_its_cause_and_a_status_at_once(self):
+        self.assertTrue(eventually(lambda: self.newest()["inputs"]["radio"]["good"]))
         pulled = time.time()
         self.board.radio.talks = False
         self.assertTrue(eventually(lambda: self.events(name="radio", now="wire_silent")))
