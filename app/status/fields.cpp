@@ -72,6 +72,11 @@ OrderedJson start_since_boot(const StatusPart& part) {
 OrderedJson figures_age(const StatusPart& part) {
     return age(part.report.figures_at, part.report.now);
 }
+/// Before the first figures it grows too: else nothing would tell that none come.
+OrderedJson figures_age_or_uptime(const StatusPart& part) {
+    const OrderedJson age = figures_age(part);
+    return age.is_null() ? uptime(part) : age;
+}
 OrderedJson absences(const StatusPart& part) {
     return part.report.absence.count;
 }
@@ -121,7 +126,13 @@ constexpr StatusField kFields[]{
      "time since the data thread last published its figures, normally below 150000. **If it grows, "
      "everything else here is old**",
      figures_age,
-     {.may_be_null = true, .metric = "figures_age_seconds", .fleet = "figures_age_s"}},
+     {.may_be_null = true, .fleet = "figures_age_s"}},
+    {"figures_age_or_uptime_us",
+     FieldKind::time,
+     "time since the data thread last published its figures, or since the program started; if it "
+     "grows, all others are old",
+     figures_age_or_uptime,
+     {.metric = "figures_age_seconds", .in_status = false}},
     {"absences", FieldKind::counter,
      "times that the program did not run for 100 ms or longer: it was stopped, suspended, or "
      "without processor time",

@@ -64,6 +64,11 @@ class Metrics : public testing::Test {
     StatusReport report_;
 };
 
+TEST_F(Metrics, FiguresThatNeverCameAreAsOldAsTheProgram) {
+    report_.figures_at = Instant{};
+    EXPECT_TRUE(tells("tribus_figures_age_seconds{daemon=\"car\"} 10")) << metrics_text(report_);
+}
+
 TEST_F(Metrics, CountLossesThatNeverCameAsZero) {
     report_.inputs[0].status.counts.began[static_cast<std::size_t>(LinkCause::late)] = 2;
     const std::string losses = "tribus_input_losses_total{daemon=\"car\",input=\"main\",cause=\"";
