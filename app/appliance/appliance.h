@@ -90,7 +90,7 @@ class Appliance {
     std::vector<DeviceEvent> devices() const;
     /// Closes devices that vanished and opens those that are back. Call it a few times a second.
     std::vector<DeviceEvent> reopen_devices();
-    /// What was done for devices that need a hand.
+    /// Changes of devices and restarts of CAN interfaces.
     struct DeviceNews {
         std::vector<DeviceEvent> events;
         std::vector<BusOffWatch::Restart> restarts{};

@@ -22,8 +22,7 @@ class SocketClient {
     SocketClient(UniqueFd descriptor, std::size_t most_received, Instant now, std::string who = {});
 
     int descriptor() const { return descriptor_.get(); }
-    /// The other side: "user 1000" of a local socket, an address, or the network of an IPv6
-    /// address, which is one place's: "2001:db8:1:2::/64".
+    /// The other side, as `peer_name` says it.
     const std::string& who() const { return who_; }
     /// Reads what has arrived. Returns false if the connection is closed or broken.
     bool receive(Instant now);

@@ -1,21 +1,17 @@
 #include "app/daemon/socket_server.h"
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
 #include <poll.h>
 #include <sys/epoll.h>
 #include <sys/socket.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
-#include <iterator>
 #include <map>
 #include <string_view>
 #include <utility>
 
-#include <fmt/format.h>
+#include "app/client/peer_name.h"
 
 namespace tribus {
 namespace {
@@ -23,42 +19,6 @@ namespace {
 /// Used when this process has no file descriptor left: trying again at once would take a whole
 /// processor.
 constexpr Duration kAcceptPause = std::chrono::seconds(1);
-
-std::string text_of(int family, const void* address) {
-    std::array<char, INET6_ADDRSTRLEN> text{};
-    return ::inet_ntop(family, address, text.data(), text.size()) == nullptr ? "" : text.data();
-}
-
-/// The text of `SocketClient::who`.
-std::string who_is_at(int descriptor) {
-    union {
-        sockaddr any;
-        sockaddr_in v4;
-        sockaddr_in6 v6;
-    } peer{};
-    socklen_t size = sizeof peer;
-    ::getpeername(descriptor, &peer.any, &size);
-    if (peer.any.sa_family == AF_INET) {
-        return text_of(AF_INET, &peer.v4.sin_addr);
-    }
-    if (peer.any.sa_family == AF_INET6) {
-        in6_addr& address = peer.v6.sin6_addr;
-        constexpr std::size_t kV4At = 12;
-        constexpr std::size_t kNetworkBytes = 8;
-        if (IN6_IS_ADDR_V4MAPPED(&address)) {
-            return text_of(AF_INET, &address.s6_addr[kV4At]);
-        }
-        if (IN6_IS_ADDR_LOOPBACK(&address)) {
-            return text_of(AF_INET6, &address);
-        }
-        std::fill(std::begin(address.s6_addr) + kNetworkBytes, std::end(address.s6_addr), 0);
-        return text_of(AF_INET6, &address) + "/64";
-    }
-    ucred user{};
-    size = sizeof user;
-    ::getsockopt(descriptor, SOL_SOCKET, SO_PEERCRED, &user, &size);
-    return fmt::format("user {}", user.uid);
-}
 
 bool hung_up(int descriptor) {
     pollfd state{.fd = descriptor, .events = 0, .revents = 0};
@@ -117,7 +77,7 @@ void SocketServer::accept_all(Instant now) {
             }
             return;
         }
-        std::string who = who_is_at(client.get());
+        std::string who = peer_name(client.get());
         if (clients_.size() >= limits_.clients && !make_room_for(who)) {
             refuse(std::move(client));
             continue;

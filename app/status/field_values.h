@@ -75,8 +75,9 @@ inline OrderedJson json_of(const Protocol* protocol) {
 OrderedJson json_of(const ChannelFrame& frame);
 OrderedJson json_of(const HistogramReading& reading);
 template <class Value>
-requires std::constructible_from<OrderedJson, const Value&> OrderedJson
-json_of(const Value& value) {
+concept JsonValue = std::constructible_from<OrderedJson, const Value&>;
+template <JsonValue Value>
+OrderedJson json_of(const Value& value) {
     return value;
 }
 template <class Value>
@@ -84,7 +85,7 @@ OrderedJson json_of(const std::optional<Value>& value) {
     return value ? json_of(*value) : OrderedJson();
 }
 
-// What of a part has the members that rows name.
+// Each finds a struct of a part by its type, for `member`.
 
 inline const InputConfig& of(const StatusPart& part, const InputConfig*) {
     return part.report.configuration->inputs[part.index];

@@ -189,6 +189,18 @@ std::string metric_of(const StatusField& field) {
                                                     : std::string(field.name) + "_total";
 }
 
+std::string_view metric_type(const StatusField& field) {
+    switch (field.kind) {
+        case FieldKind::counter:
+        case FieldKind::counters:
+            return "counter";
+        case FieldKind::distribution:
+            return "summary";
+        default:
+            return "gauge";
+    }
+}
+
 std::string plain_text(std::string_view help) {
     std::string text;
     for (std::size_t at = 0; at < help.size(); ++at) {

@@ -8,14 +8,14 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-/// What a status tells of each kind of part, one row for each field. The status in JSON, metrics,
-/// MQTT, the tables of docs/status.md and docs/fleet.md, and the types of the page are made from
-/// these rows.
+/// The fields of a status: each kind of part has one row for each field. The rows make the status
+/// in JSON, metrics, MQTT, the tables of docs/status.md and docs/fleet.md, and the types of the
+/// page.
 namespace tribus {
 
 struct StatusReport;
 
-/// What a field holds, which decides how it is written.
+/// The content of a field. It decides how the field is written.
 enum class FieldKind : std::uint8_t {
     text,
     word,          ///< one of `FieldOptions::words`
@@ -35,7 +35,7 @@ struct StatusPart {
     std::size_t index;
 };
 
-/// What only some fields have.
+/// Facts that only some fields have.
 struct FieldOptions {
     bool may_be_null = false;
     /// Some parts do not have it.
@@ -73,6 +73,7 @@ struct PartKind {
     std::string_view fleet;  ///< lists them in the payload of MQTT; empty: none tells them there
     std::span<const StatusField> fields;
     std::size_t (*count)(const StatusReport&);
+    /// Empty: the part is none of this kind, as a serial port is no CAN interface.
     std::string_view (*name)(const StatusPart&);
 };
 
@@ -80,13 +81,15 @@ struct PartKind {
 std::span<const StatusField> program_fields();
 /// In the order of a status.
 std::span<const PartKind> part_kinds();
-/// What a port has that is a CAN interface.
+/// The fields of a CAN interface, which its port has besides its own.
 const PartKind& can_kind();
 
 /// The fields that a status tells of a part.
 nlohmann::ordered_json fields_json(std::span<const StatusField> fields, const StatusPart& part);
 /// The name of a field's metric, without "tribus_" and the word of its part. Empty: it has none.
 std::string metric_of(const StatusField& field);
+/// The type of a field's metric: "counter", "summary" or "gauge".
+std::string_view metric_type(const StatusField& field);
 /// A help without its marks of Markdown.
 std::string plain_text(std::string_view help);
 

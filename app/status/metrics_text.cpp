@@ -21,6 +21,8 @@ namespace {
 using Label = std::pair<std::string_view, std::string_view>;
 using OrderedJson = nlohmann::ordered_json;
 
+constexpr double kMicrosecondsASecond = 1e6;
+
 /// Writes metric families one after the other, each with one help and one type line.
 class Text {
   public:
@@ -59,7 +61,6 @@ class Text {
 
 /// Times are in seconds there.
 double number_of(const StatusField& field, const OrderedJson& value) {
-    constexpr double kMicrosecondsASecond = 1e6;
     return value.is_boolean()              ? (value.get<bool>() ? 1 : 0)
            : field.kind == FieldKind::time ? value.get<double>() / kMicrosecondsASecond
                                            : value.get<double>();
@@ -69,7 +70,6 @@ double number_of(const StatusField& field, const OrderedJson& value) {
 void add_quantiles(Text& text, Label part, const OrderedJson& distribution) {
     constexpr std::array<std::pair<std::string_view, const char*>, 3> kQuantiles{
         {{"0.5", "p50_us"}, {"0.99", "p99_us"}, {"1", "max_us"}}};
-    constexpr double kMicrosecondsASecond = 1e6;
     for (const auto& [word, member] : kQuantiles) {
         text.sample({part, {"quantile", word}},
                     distribution["count"] == 0
@@ -78,7 +78,7 @@ void add_quantiles(Text& text, Label part, const OrderedJson& distribution) {
     }
 }
 
-/// A counter that has not come to exist yet is 0, for who computes differences.
+/// A counter that the status does not tell yet is 0: a rate needs its first value.
 void add_counters(Text& text, const StatusField& field, Label part, const OrderedJson& value) {
     for (const std::string_view word : field.options.words) {
         text.sample({part, {field.options.metric_label, word}}, value.value(word, 0.0));
@@ -111,23 +111,11 @@ void add_samples(Text& text, const StatusField& field, const std::vector<Label>&
     }
 }
 
-std::string_view type_of(FieldKind kind) {
-    switch (kind) {
-        case FieldKind::counter:
-        case FieldKind::counters:
-            return "counter";
-        case FieldKind::distribution:
-            return "summary";
-        default:
-            return "gauge";
-    }
-}
-
 void add_program(Text& text, const StatusReport& report) {
     for (const StatusField& field : program_fields()) {
         const OrderedJson value = field.read({report, 0});
         if (const std::string metric = metric_of(field); !metric.empty() && !value.is_null()) {
-            text.family(metric, type_of(field.kind), plain_text(field.help));
+            text.family(metric, metric_type(field), plain_text(field.help));
             add_samples(text, field, {}, value);
         }
     }
@@ -139,13 +127,13 @@ void add_parts(Text& text, const StatusReport& report, const PartKind& kind) {
         if (metric.empty()) {
             continue;
         }
-        text.family(fmt::format("{}_{}", kind.word, metric), type_of(field.kind),
+        text.family(fmt::format("{}_{}", kind.word, metric), metric_type(field),
                     plain_text(field.help));
         for (std::size_t index = 0; index < kind.count(report); ++index) {
             const StatusPart part{report, index};
             const std::string_view name = kind.name(part);
             const OrderedJson value = name.empty() ? OrderedJson() : field.read(part);
-            if (!value.is_null()) {
+            if (!value.is_null() && !value.is_discarded()) {
                 add_samples(text, field, {{kind.label, name}}, value);
             }
         }

@@ -60,9 +60,6 @@ OrderedJson in_control(const StatusPart& part) {
 bool cannot_send(const StatusPart& part) {
     return status(part).state.stage == OutputStage::cannot_send;
 }
-OrderedJson is_unable_to_send(const StatusPart& part) {
-    return cannot_send(part);
-}
 OrderedJson text(const StatusPart& part) {
     return output_text(status(part).state, input_names(part));
 }
@@ -144,7 +141,7 @@ constexpr StatusField kFields[]{
     {"cannot_send",
      FieldKind::flag,
      "it cannot send",
-     is_unable_to_send,
+     [](const StatusPart& part) { return OrderedJson(cannot_send(part)); },
      {.metric = "cannot_send", .in_status = false}},
     {"obstacle",
      FieldKind::word,

@@ -23,7 +23,7 @@ struct HttpRequest {
     std::string cookie;
     std::string content_type;
     std::string if_match;
-    std::string forwarded_for;  ///< X-Forwarded-For: who asks, as the nearest proxy says
+    std::string forwarded_for;  ///< who asks, as the nearest proxy says (X-Forwarded-For)
     std::string body;
     bool marked = false;  ///< has `X-Tribus: 1`, which no form of another page can send
     bool takes_gzip = false;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/client/peer_name.h"
 #include "app/journal/log.h"
 #include "app/journal/log_limit.h"
 #include "app/web/answers/answers.h"
@@ -15,15 +16,9 @@
 namespace tribus::web {
 namespace {
 
-/// Who asks: behind a proxy of this machine, whom that one says.
-std::string address_of(const std::string& who, const HttpRequest& request) {
-    constexpr std::size_t kLongestAddress = 45;
-    const std::string& behind = request.forwarded_for;
-    const bool is_proxy = who.starts_with("user ") || who.starts_with("127.") || who == "::1";
-    const bool is_address =
-        !behind.empty() && behind.size() <= kLongestAddress &&
-        behind.find_first_not_of("0123456789abcdefABCDEF.:") == std::string::npos;
-    return is_proxy && is_address ? behind : who;
+/// The name of who asks. A proxy on this machine says it.
+std::string asker(const std::string& who, const HttpRequest& request) {
+    return is_on_this_machine(who) ? peer_name(request.forwarded_for).value_or(who) : who;
 }
 
 std::int64_t whole_seconds(Duration duration) {
@@ -44,7 +39,7 @@ Site::Reply Site::pair(const Asked& asked) {
     if (!code) {
         return refused(400, "the code is missing");
     }
-    const std::string address = address_of(asked.who, request);
+    const std::string address = asker(asked.who, request);
     if (const Duration left = pairing_pauses_.left(address, asked.now); left > Duration::zero()) {
         return wrong_code(429, "the code before was wrong; wait", left);
     }

@@ -58,18 +58,6 @@ std::string field_table(std::span<const StatusField> fields) {
     return text;
 }
 
-std::string metric_type(const StatusField& field) {
-    switch (field.kind) {
-        case FieldKind::counter:
-        case FieldKind::counters:
-            return "counter";
-        case FieldKind::distribution:
-            return "summary";
-        default:
-            return "gauge";
-    }
-}
-
 std::string metric_labels(const PartKind& kind, const StatusField& field) {
     switch (field.kind) {
         case FieldKind::word:
