@@ -81,7 +81,8 @@ class Appliance {
 
     /// A change of one device, interface or GPIO line: it is gone or back.
     struct DeviceEvent {
-        std::string name;  ///< "device /dev/ttyUSB0"
+        std::string_view kind{};  ///< "device", "interface", ..., "line"
+        std::string name{};       ///< "/dev/ttyUSB0"
         bool back = false;
         /// Why a device that is there cannot be opened; told once. Empty: nothing new.
         std::string problem{};
@@ -120,6 +121,10 @@ class Appliance {
     }
     /// Periods in which this program did not run.
     AbsenceStatus absence() const { return loop_->absence(); }
+    /// Changes of state of inputs and outputs since the start of the data thread. Up to the number
+    /// `changes_before` the indices are those of the appliance before.
+    const ChangeRing& changes() const { return loop_->changes(); }
+    std::uint64_t changes_before() const { return loop_->changes_before(); }
     /// Status and timing of an input or output, by its index, as last published.
     InputStatus input_status(std::size_t input) const { return loop_->input_status(input); }
     const InputTiming& input_timing(std::size_t input) const { return loop_->input_timing(input); }
@@ -155,8 +160,6 @@ class Appliance {
     void look_at_epochs();
     /// Null without [recorder] in the configuration.
     FlightRecorder* recorder() const { return recorder_.get(); }
-    /// Passes events to the recorder. Call it a few times a second.
-    void look_at_recorder(Instant now);
     /// Devices and interfaces, each once.
     const std::vector<PortPlan>& ports() const { return plans_; }
     /// True if the device of this port is open.

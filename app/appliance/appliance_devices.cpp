@@ -11,12 +11,12 @@
 namespace tribus {
 namespace {
 
-std::string device_name(const PortConfig& config) {
-    return std::string(config.medium->place.key) + " " + config.device;
+Appliance::DeviceEvent event_of(const PortConfig& config, bool back) {
+    return {.kind = config.medium->place.key, .name = config.device, .back = back};
 }
 
-std::string device_name(const LineConfig& config) {
-    return "line " + config.name + " (" + to_text(config.place) + ")";
+Appliance::DeviceEvent event_of(const LineConfig& config, bool back) {
+    return {.kind = "line", .name = config.name + " (" + to_text(config.place) + ")", .back = back};
 }
 
 }  // namespace
@@ -24,10 +24,10 @@ std::string device_name(const LineConfig& config) {
 std::vector<Appliance::DeviceEvent> Appliance::devices() const {
     std::vector<DeviceEvent> all;
     for (std::size_t port = 0; port < plans_.size(); ++port) {
-        all.push_back({device_name(plans_[port].config), port_present(port)});
+        all.push_back(event_of(plans_[port].config, port_present(port)));
     }
     for (std::size_t line = 0; line < missing_lines_.size(); ++line) {
-        all.push_back({device_name(configuration_.lines[line]), line_present(line)});
+        all.push_back(event_of(configuration_.lines[line], line_present(line)));
     }
     return all;
 }
@@ -37,7 +37,7 @@ std::vector<Appliance::DeviceEvent> Appliance::reopen_devices() {
     for (std::size_t port = 0; port < plans_.size(); ++port) {
         if (loop_->take_lost(port)) {
             missing_[port] = true;
-            events.push_back({device_name(plans_[port].config), false});
+            events.push_back(event_of(plans_[port].config, false));
         }
         if (missing_[port]) {
             auto link = open_port(configuration_, stations(), plans_[port]);
@@ -48,7 +48,7 @@ std::vector<Appliance::DeviceEvent> Appliance::reopen_devices() {
             loop_->give(port, std::move(*link));
             missing_[port] = false;
             open_problems_[port] = {};
-            events.push_back({device_name(plans_[port].config), true});
+            events.push_back(event_of(plans_[port].config, true));
         }
     }
     reopen_lines(events);
@@ -79,7 +79,8 @@ void Appliance::tell_problem(std::size_t port, const std::string& problem,
     } else if (before.text != problem) {
         before = {problem};
     } else if (!std::exchange(before.told, true)) {
-        events.push_back({device_name(config), false, problem});
+        events.push_back(event_of(config, false));
+        events.back().problem = problem;
     }
 }
 
@@ -98,7 +99,7 @@ void Appliance::look_whether_lines_hang(std::vector<DeviceEvent>& events) {
     for (std::size_t line = 0; line < missing_lines_.size(); ++line) {
         const LineConfig& config = configuration_.lines[line];
         if (is_input_role(config.task.role) && !missing_lines_[line]) {
-            events.push_back({device_name(config), before});
+            events.push_back(event_of(config, before));
         }
     }
 }
@@ -110,16 +111,15 @@ void Appliance::reopen_lines(std::vector<DeviceEvent>& events) {
     calls_until_opening_ = calls_until_opening_ == 0 ? kCallsPerOpening : calls_until_opening_ - 1;
     for (std::size_t i = 0; i < missing_lines_.size(); ++i) {
         const LineConfig& config = configuration_.lines[i];
-        const std::string name = device_name(config);
         if (gpio_thread_->take_lost(i)) {
             missing_lines_[i] = true;
-            events.push_back({name, false});
+            events.push_back(event_of(config, false));
         }
         if (missing_lines_[i] && calls_until_opening_ == 0) {
             if (auto line = open_line(configuration_, config)) {
                 gpio_thread_->give(i, std::move(*line));
                 missing_lines_[i] = false;
-                events.push_back({name, true});
+                events.push_back(event_of(config, true));
             }
         }
     }

@@ -1,4 +1,3 @@
-#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -39,17 +38,6 @@ std::unique_ptr<FlightRecorder> Appliance::stop(std::unique_ptr<Appliance> runni
     auto recorder = std::move(running->recorder_);
     running.reset();
     return recorder;
-}
-
-void Appliance::look_at_recorder(Instant now) {
-    if (!recorder_) {
-        return;
-    }
-    std::vector<std::uint64_t> entries;
-    for (std::size_t output = 0; output < configuration_.outputs.size(); ++output) {
-        entries.push_back(output_status(output).counts.failsafe_entries);
-    }
-    recorder_->look(entries, now, wall_time_now());
 }
 
 }  // namespace tribus

@@ -38,9 +38,14 @@ void MonitorLink::reconnect(Instant now) {
     }
     descriptor_ = std::move(*socket);
     problem_.clear();
-    const std::string request = fmt::format(
-        "watch {}us\n", std::chrono::duration_cast<std::chrono::microseconds>(period_).count());
-    if (::send(descriptor_.get(), request.data(), request.size(), MSG_NOSIGNAL) < 0) {
+    send(fmt::format("watch {}us",
+                     std::chrono::duration_cast<std::chrono::microseconds>(period_).count()));
+}
+
+void MonitorLink::send(const std::string& request) {
+    const std::string text = request + "\n";
+    if (connected() &&
+        ::send(descriptor_.get(), text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT) < 0) {
         lose("the daemon at " + path_ + " is gone");
     }
 }

@@ -23,6 +23,8 @@ class MonitorLink {
     const std::string& problem() const { return problem_; }
     /// Tries to connect if there is no connection and the last attempt is at least 500 ms ago.
     void reconnect(Instant now);
+    /// Sends a request, whose answer comes among the objects. Without a connection it is lost.
+    void send(const std::string& request);
     /// The complete lines received so far; does not wait.
     std::vector<std::string> read();
 

@@ -1,6 +1,7 @@
 #include "app/daemon/daemon.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <utility>
 
 #include <fmt/format.h>
@@ -37,9 +38,10 @@ void Daemon::show_started() {
         return;
     }
     const Instant now = monotonic_now();
+    book_.begin(*appliance_, now, wall_time_now());
     log_ = std::make_unique<StateLog>(*appliance_, now);
     log_->log_interfaces(*appliance_);
-    sockets_.show(*appliance_);
+    sockets_.show(*appliance_, book_);
     service_.started(*appliance_, now);
 }
 
@@ -58,9 +60,10 @@ void Daemon::show_successor(const std::vector<PortPlan>& ports_before,
     if (new_port) {
         log_->log_interfaces(*appliance_);
     }
-    // Opens the devices that got other line settings.
-    log_->look(*appliance_, appliance_->look_after_devices(now), now);
-    sockets_.show(*appliance_);
+    // Opens the devices that got other line settings; those that are still missing are told then.
+    look_after_parts(now);
+    book_.add(appliance_->devices(), now, wall_time_now());
+    sockets_.show(*appliance_, book_);
     service_.started(*appliance_, now);
 }
 
@@ -136,6 +139,10 @@ ReloadOutcome Daemon::take_between_frames(std::unique_ptr<Appliance> fresh,
         return {.lines = std::move(next.error())};
     }
     appliance_ = std::move(*next);
+    // What happened before is logged before.
+    const Instant now = monotonic_now();
+    book_.go_on_with(*appliance_, carry_over, now, wall_time_now());
+    log_->look_at_changes(book_, now);
     log_info("reloaded {}", summary(configuration()));
     show_successor(ports_before, carry_over);
     return {.taken = true};
@@ -157,7 +164,20 @@ void Daemon::set_trial(std::optional<Trial> trial) {
                                : std::nullopt);
 }
 
+void Daemon::tell_configuration(std::string word, std::string text) {
+    const Instant now = monotonic_now();
+    book_.add({.at = now,
+               .wall_time = wall_time_now(),
+               .part = "configuration",
+               .name = std::filesystem::path(path_).stem().string(),
+               .field = "state",
+               .now = std::move(word),
+               .text = std::move(text),
+               .kind = "configuration"});
+}
+
 void Daemon::confirm() {
+    tell_configuration("kept", "is kept");
     log_info("confirmed: the configuration stays");
     set_trial(std::nullopt);
 }
@@ -175,6 +195,31 @@ void Daemon::restart() {
     show_started();
 }
 
+/// Opens devices that are back, and tells what has changed.
+void Daemon::look_after_parts(Instant now) {
+    const Appliance::DeviceNews news = appliance_->look_after_devices(now);
+    book_.add(news.events, now, wall_time_now());
+    book_.look(*appliance_, now, wall_time_now());
+    log_->look(*appliance_, book_, news, now);
+}
+
+void Daemon::look_at_recorders(Instant now) {
+    std::vector<FailsafeEntry> entries;
+    for (const ToldChange& change : book_.since(std::exchange(recorded_, book_.newest()))) {
+        const bool was_fed = change.was == "control" || change.was == "hold";
+        if (change.part == "output" && was_fed &&
+            (change.now == "failsafe" || change.now == "silent")) {
+            entries.push_back({change.name, change.at, change.wall_time});
+        }
+    }
+    if (FlightRecorder* const recorder = appliance_->recorder()) {
+        recorder->look(entries, now, wall_time_now());
+    }
+    if (left_over_ && left_over_->finish(now, wall_time_now())) {
+        left_over_.reset();
+    }
+}
+
 void Daemon::look(Instant now) {
     if (appliance_->restart_wanted()) {
         restart();
@@ -187,15 +232,12 @@ void Daemon::look(Instant now) {
         appliance_.reset();
         return;
     }
-    log_->look(*appliance_, appliance_->look_after_devices(now), now);
+    look_after_parts(now);
     appliance_->look_at_machine(now, sockets_.watched());
     sockets_.look();
     service_.look(*appliance_, now);
-    appliance_->look_at_recorder(now);
+    look_at_recorders(now);
     appliance_->look_at_epochs();
-    if (left_over_ && left_over_->finish(now, wall_time_now())) {
-        left_over_.reset();
-    }
 }
 
 void Daemon::end() {

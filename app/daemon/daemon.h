@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/appliance/appliance.h"
+#include "app/changes/change_book.h"
 #include "app/daemon/daemon_sockets.h"
 #include "app/daemon/preparation.h"
 #include "app/daemon/service_notify.h"
@@ -121,6 +122,9 @@ class Daemon {
     ReloadOutcome take_between_frames(std::unique_ptr<Appliance> fresh,
                                       const CarryOver& carry_over);
     void set_trial(std::optional<Trial> trial);
+    void look_after_parts(Instant now);
+    void look_at_recorders(Instant now);
+    void tell_configuration(std::string word, std::string text);
     void restart();
     void stop();
     void show_started();
@@ -133,6 +137,8 @@ class Daemon {
     bool has_started_ = false;
     /// That of the configuration before, until it has written what is pending.
     std::unique_ptr<FlightRecorder> left_over_;
+    ChangeBook book_;
+    std::uint64_t recorded_ = 0;  ///< number of the newest change that the recorder knows
     std::unique_ptr<StateLog> log_;
     std::optional<Trial> trial_;
     std::uint64_t trials_ = 0;

@@ -8,6 +8,7 @@
 #include "app/cli/load_or_explain.h"
 #include "app/daemon/daemon.h"
 #include "app/journal/log.h"
+#include "config/show/effective.h"
 #include "pipelines/realtime/clock.h"
 
 /// The daemon's way from one configuration to the next. Slow work runs on another thread.
@@ -182,9 +183,15 @@ ReloadOutcome Daemon::finish_reload(Change& change) {
     }
     Configuration before = trial_ ? trial_->before : configuration();
     EpochFiles before_files = trial_ ? trial_->before_files : appliance_->epoch_files();
+    const std::string text_before = effective_toml(configuration());
     ReloadOutcome outcome = take(std::move(fresh->appliance));
     if (!outcome.taken) {
         return outcome;
+    }
+    if (change.trial) {
+        tell_configuration("on_trial", "is on trial");
+    } else if (effective_toml(configuration()) != text_before) {
+        tell_configuration("changed", "is another one");
     }
     if (change.trial) {
         log_info("on trial for {} s: without confirmation the daemon goes back",
@@ -204,6 +211,9 @@ ReloadOutcome Daemon::finish_reload(Change& change) {
 
 ReloadOutcome Daemon::finish_going_back(Change& change) {
     ReloadOutcome outcome = take(std::move(change.preparation->take()->appliance));
+    if (outcome.taken) {
+        tell_configuration("went_back", "went back to the one before");
+    }
     if (outcome.taken || !appliance_) {
         return outcome;
     }
@@ -214,6 +224,7 @@ ReloadOutcome Daemon::finish_going_back(Change& change) {
     outcome.taken = start_or_log(Appliance::build(std::move(change.before)),
                                  Appliance::MissingDevices::wait_for, errors);
     show_started();
+    tell_configuration("went_back", "went back to the one before");
     return outcome;
 }
 

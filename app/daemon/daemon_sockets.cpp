@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "app/changes/change_json.h"
 #include "app/cli/object_text.h"
 #include "app/client/control_socket.h"
 #include "app/journal/log.h"
@@ -61,13 +62,15 @@ void DaemonSockets::open_look_socket(const std::string& control) {
 
 void DaemonSockets::add_telling(ControlServer& server) {
     server.add("status", [this](auto) { return status(); });
+    server.add("changes", [this](auto words) { return changes(words); });
     server.add("metrics", [this](auto) { return metrics(); });
     server.add("recordings", [this](auto) { return recordings(); });
     server.add("histograms", [this](auto) { return histograms(); });
 }
 
-void DaemonSockets::show(const Appliance& appliance) {
+void DaemonSockets::show(const Appliance& appliance, ChangeBook& changes) {
     appliance_ = &appliance;
+    changes_ = &changes;
     keeper_.emplace(appliance, started_);
     fingerprint_.clear();
 }
@@ -101,9 +104,12 @@ void DaemonSockets::serve(Instant now) {
     }
 }
 
-StatusReport DaemonSockets::report() const {
+StatusReport DaemonSockets::report() {
     const Instant now = monotonic_now();
     StatusReport report = keeper_->report(*appliance_, now, wall_time_now());
+    // Whoever reads a status can ask for the changes that led to it.
+    changes_->look(*appliance_, now, wall_time_now());
+    report.changes = changes_->newest();
     report.fingerprint = fingerprint_;
     if (trial_) {
         report.trial_left = std::max(trial_->end - now, Duration::zero());
@@ -123,7 +129,11 @@ std::string DaemonSockets::status() {
     return status_json(report());
 }
 
-std::string DaemonSockets::metrics() const {
+std::string DaemonSockets::changes(std::span<const std::string> words) const {
+    return keeper_ ? changes_json(*changes_, words) : error_object("nothing runs any more");
+}
+
+std::string DaemonSockets::metrics() {
     return keeper_ ? metrics_json(report()) : error_object("nothing runs any more");
 }
 

@@ -9,6 +9,7 @@
 #include <tl/expected.hpp>
 
 #include "app/appliance/appliance.h"
+#include "app/changes/change_book.h"
 #include "app/daemon/control_server.h"
 #include "app/status/status.h"
 #include "core/time.h"
@@ -34,8 +35,9 @@ class DaemonSockets {
     DaemonSockets(const DaemonSockets&) = delete;
     DaemonSockets& operator=(const DaemonSockets&) = delete;
 
-    /// From now on it shows `appliance`, which must live until the next `show` or `hide`.
-    void show(const Appliance& appliance);
+    /// From now on it shows `appliance` and its changes, which must live until the next `show` or
+    /// `hide`.
+    void show(const Appliance& appliance, ChangeBook& changes);
     /// Call it when no appliance runs any more.
     void hide() { keeper_.reset(); }
     /// Nothing while no configuration is on trial.
@@ -65,14 +67,16 @@ class DaemonSockets {
     void open_look_socket(const std::string& control);
     void add_telling(ControlServer& server);
     std::string status();
-    std::string metrics() const;
-    StatusReport report() const;
+    std::string metrics();
+    std::string changes(std::span<const std::string> words) const;
+    StatusReport report();
     std::string record(std::span<const std::string> words) const;
     std::string recordings() const;
     std::string histograms() const;
 
     Instant started_;
     const Appliance* appliance_ = nullptr;
+    ChangeBook* changes_ = nullptr;
     std::optional<StatusKeeper> keeper_;
     std::optional<ShownTrial> trial_;
     std::string fingerprint_;  ///< of the configuration that runs; empty until somebody asks

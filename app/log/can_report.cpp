@@ -12,26 +12,6 @@
 namespace tribus {
 namespace {
 
-std::string state_text(CanBusState state, const std::string& name) {
-    switch (state) {
-        case CanBusState::ready:
-            return "works";
-        case CanBusState::warning:
-            return "many errors on the bus; check bit rate, termination and wiring";
-        case CanBusState::passive:
-            return "error-passive: few frames get through; check bit rate, termination and wiring";
-        case CanBusState::stalled:
-            return "frames are not sent: no other node acknowledges them, or the bus is full; old "
-                   "frames will not be sent later";
-        case CanBusState::bus_off:
-            return "bus-off: the controller left the bus after too many errors; check bit rate, "
-                   "termination and wiring";
-        case CanBusState::down:
-            return fmt::format("is down; `ip link set {} up` brings it up", name);
-    }
-    return "";
-}
-
 void log_interface(const Appliance& appliance, const PortPlan& plan) {
     const auto interface = query_can_interface(plan.config.device);
     if (!interface) {
@@ -74,15 +54,6 @@ void CanReport::go_on_from(const CanReport& before, const Appliance& appliance) 
     }
 }
 
-void CanReport::look_at_state(const std::string& name, const CanLinkStatus& status, Memory& memory,
-                              Instant now) {
-    if (const auto swallowed = memory.said.look(status.state, memory.limit, now)) {
-        const bool fine = status.state == CanBusState::ready;
-        log_at(fine ? LogLevel::info : LogLevel::warning, "interface {}: {}{}", name,
-               state_text(status.state, name), swallowed_note(*swallowed));
-    }
-}
-
 void CanReport::look_at_overflows(const std::string& name, const CanLinkStatus& status,
                                   Memory& memory, Instant now) {
     const std::uint64_t lost = status.counts.receive_overflows - memory.receive_overflows;
@@ -101,7 +72,6 @@ void CanReport::look(const Appliance& appliance, std::span<const BusOffWatch::Re
     for (auto& [name, memory] : interfaces_) {
         const CanLinkStatus status = appliance.can_status(memory.port);
         const LogFields fields({"TRIBUS_INTERFACE", name});
-        look_at_state(name, status, memory, now);
         look_at_overflows(name, status, memory, now);
     }
     for (const BusOffWatch::Restart& restart : restarts) {

@@ -8,14 +8,13 @@
 
 #include "app/appliance/appliance.h"
 #include "app/journal/log_limit.h"
-#include "core/change_report.h"
 #include "core/rate_limit.h"
 #include "core/time.h"
 
 namespace tribus {
 
-/// Logs about the CAN interfaces: at the start their configuration, with advice, and later each
-/// change of state. Thread-bound to the main thread.
+/// Logs about the CAN interfaces: at the start their configuration, with advice, and later what was
+/// lost and what was restarted. Thread-bound to the main thread.
 class CanReport {
   public:
     explicit CanReport(const Appliance& appliance);
@@ -24,7 +23,7 @@ class CanReport {
     void start(const Appliance& appliance);
     /// After a reload: takes over what `before` knows about the interfaces that are still used.
     void go_on_from(const CanReport& before, const Appliance& appliance);
-    /// Logs changes since the last call, and the restarts meanwhile. Call it a few times a second.
+    /// Logs losses since the last call, and the restarts meanwhile. Call it a few times a second.
     void look(const Appliance& appliance, std::span<const BusOffWatch::Restart> restarts,
               Instant now);
 
@@ -32,13 +31,10 @@ class CanReport {
     struct Memory {
         std::size_t port = 0;
         std::uint64_t receive_overflows = 0;
-        ChangeReport<CanBusState> said{CanBusState::ready};
         RateLimit limit = log_limit();
         RateLimit overflow_limit = log_limit();
     };
 
-    void look_at_state(const std::string& name, const CanLinkStatus& status, Memory& memory,
-                       Instant now);
     void look_at_overflows(const std::string& name, const CanLinkStatus& status, Memory& memory,
                            Instant now);
 

@@ -10,6 +10,7 @@
 #include "app/journal/log_fields.h"
 #include "app/log/doctor_hint.h"
 #include "app/log/port_of.h"
+#include "app/state_text/cause_text.h"
 #include "core/counted.h"
 
 namespace tribus {
@@ -33,20 +34,12 @@ std::vector<std::size_t> unproved_causes(const Appliance& appliance, std::size_t
 }  // namespace
 
 StateLog::StateLog(const Appliance& appliance, Instant start)
-    : can_(appliance), sensor_buses_(appliance, start), nodes_(appliance) {
+    : can_(appliance), sensor_buses_(appliance, start) {
     const Configuration& configuration = appliance.configuration();
-    for (const InputConfig& input : configuration.inputs) {
-        input_names_.push_back(input.name);
-        inputs_.push_back(
-            {.start = start, .unproved_causes = unproved_causes(appliance, inputs_.size())});
+    for (std::size_t i = 0; i < configuration.inputs.size(); ++i) {
+        inputs_.push_back({.start = start, .unproved_causes = unproved_causes(appliance, i)});
     }
     outputs_.resize(configuration.outputs.size());
-    for (const Appliance::DeviceEvent& device : appliance.devices()) {
-        // The start itself reports the devices that it waits for.
-        const bool told = !device.back && !appliance.waits_for().empty();
-        devices_[device.name] = {
-            .present = device.back, .ever = !told, .word = ChangeReport(!told)};
-    }
 }
 
 void StateLog::go_on_from(const StateLog& before, const Appliance& appliance,
@@ -59,44 +52,21 @@ void StateLog::go_on_from(const StateLog& before, const Appliance& appliance,
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
         if (const CarriedFrom from = carry_over.engine.outputs[i].from) {
             outputs_[i] = before.outputs_[*from];
-            // The indices in it may mean other inputs now.
-            outputs_[i].state.reset();
         }
     }
-    for (auto& [name, memory] : devices_) {
-        if (const auto known = before.devices_.find(name); known != before.devices_.end()) {
-            memory.word = known->second.word;
-            memory.ever = known->second.ever;
-            memory.limit = known->second.limit;
-        }
-    }
+    changes_ = before.changes_;
     absences_ = before.absences_;
     absence_limit_ = before.absence_limit_;
     can_.go_on_from(before.can_, appliance);
     sensor_buses_.go_on_from(before.sensor_buses_, carry_over.values.buses);
-    nodes_.go_on_from(before.nodes_, carry_over.engine.nodes);
 }
 
-void StateLog::look_at_input(const std::string& name, const InputStatus& status,
-                             InputMemory& memory, Instant now) {
+void StateLog::look_for_two_senders(const std::string& name, const InputStatus& status,
+                                    InputMemory& memory) {
     if (status.two_senders && !std::exchange(memory.two_senders_logged, true)) {
         const LogFields fields({"TRIBUS_INPUT", name});
         log_warning("input {}: {}", name, kTwoSendersText);
     }
-    // The line of the output that waits for it says what it lacks.
-    if (status.state.cause == LinkCause::unproved) {
-        return;
-    }
-    const auto swallowed = memory.cause.look(status.state.cause, memory.limit, now);
-    if (!swallowed) {
-        return;
-    }
-    const std::string_view cause = word_of(status.state.cause);
-    const LogFields fields({"TRIBUS_INPUT", name}, {"TRIBUS_CAUSE", cause});
-    const bool good = status.state.cause == LinkCause::good;
-    log_at(good ? LogLevel::info : LogLevel::warning, "input {}: {}{}", name,
-           cause_text(status.state, status.implausible, status.fault.view()),
-           swallowed_note(*swallowed));
 }
 
 /// Frames among good ones. If none is good, the cause says it.
@@ -182,60 +152,10 @@ void StateLog::log_missing_signal(const std::string& name, const InputStatus& st
     }
 }
 
-/// Names of the outvoted inputs; bit i of `outvoted` stands for `places[i]`.
-std::string StateLog::outvoted_names(std::uint32_t outvoted,
-                                     std::span<const std::size_t> places) const {
-    std::string text;
-    for (std::size_t place = 0; place < places.size(); ++place) {
-        if ((outvoted >> place & 1U) != 0) {
-            text += fmt::format("{}{}", text.empty() ? "" : ", ", input_names_[places[place]]);
-        }
-    }
-    return text;
-}
-
-void StateLog::look_at_output(const std::string& name, const OutputStatus& status,
-                              std::span<const std::size_t> places, OutputMemory& memory,
-                              Instant now) {
-    // A line about the state says what it waits for, too.
-    const bool changed = memory.state && status.state != *memory.state;
-    const std::string& awaited =
-        memory.awaited.look(wait_key(status.wait, input_names_), changed, now);
-    // Nearly always nothing has changed, and nothing waits to be logged.
-    if (status.state != memory.state || awaited != memory.word.seen().awaited ||
-        memory.word.seen() != memory.word.reported()) {
-        memory.state = status.state;
-        look_at_state(name, status, places, awaited, memory, now);
-    }
-    look_at_drops(name, status, memory, now);
-}
-
-void StateLog::look_at_state(const std::string& name, const OutputStatus& status,
-                             std::span<const std::size_t> places, const std::string& awaited,
-                             OutputMemory& memory, Instant now) {
-    const LogFields fields({"TRIBUS_OUTPUT", name},
-                           {"TRIBUS_STATE", output_state_word(status.state.stage, status.sends)});
-    const OutputWord word{.state = output_text(status.state, input_names_),
-                          .outvoted = outvoted_names(status.state.outvoted, places),
-                          .awaited = awaited};
-    const bool same_votes = word.outvoted == memory.word.reported().outvoted;
-    const bool same_state = word.state == memory.word.reported().state;
-    if (const auto swallowed = memory.word.look(word, memory.limit, now)) {
-        const Hearing hearing = status.state.hearing;
-        const bool fine = status.state.stage == OutputStage::control && word.outvoted.empty() &&
-                          hearing != Hearing::silent && hearing != Hearing::unreadable;
-        const std::string votes = same_votes ? ""
-                                  : word.outvoted.empty()
-                                      ? "; its inputs agree again"
-                                      : "; outvoted by the others: " + word.outvoted;
-        const std::string text =
-            same_state && !awaited.empty()
-                ? "waits for " + wait_text(status.state, status.wait, input_names_)
-                : output_sentence(status.state, status.wait, input_names_);
-        log_at(fine ? LogLevel::info : LogLevel::warning, "output {}: {}{}{}", name, text, votes,
-               swallowed_note(*swallowed));
-    }
+void StateLog::look_at_presets(const std::string& name, const OutputStatus& status,
+                               OutputMemory& memory) {
     if ((status.state.by_preset & ~memory.presets_logged) != 0) {
+        const LogFields fields({"TRIBUS_OUTPUT", name});
         log_warning("output {}: {}", name, by_preset_text(status.state.by_preset));
         memory.presets_logged |= status.state.by_preset;
     }
@@ -314,42 +234,21 @@ void StateLog::look_at_absence(const AbsenceStatus& absence, Instant now) {
     }
 }
 
-void StateLog::look_at_devices(std::span<const Appliance::DeviceEvent> events, Instant now) {
-    const auto look = [now](const std::string& name, DeviceMemory& memory) {
-        const bool back = memory.present;
-        if (const auto swallowed = memory.word.look(back, memory.limit, now)) {
-            const LogFields fields({"TRIBUS_DEVICE", name});
-            const std::string_view word = !back         ? "is gone; waiting for it"
-                                          : memory.ever ? "is back"
-                                                        : "is there";
-            log_at(back ? LogLevel::info : LogLevel::warning, "{}: {}{}", name, word,
-                   swallowed_note(*swallowed));
-        }
-        memory.ever = memory.ever || back;
-    };
-    // A device that was gone and is back within one round is reported as gone, too.
-    for (const Appliance::DeviceEvent& event : events) {
-        if (!event.problem.empty()) {
-            log_at(LogLevel::warning, "{}", event.problem);
-        }
-        devices_[event.name].present = event.back;
-        look(event.name, devices_[event.name]);
-    }
-    for (auto& [name, memory] : devices_) {
-        look(name, memory);
-    }
-}
-
-void StateLog::look(const Appliance& appliance, const Appliance::DeviceNews& news, Instant now) {
+void StateLog::look(const Appliance& appliance, const ChangeBook& changes,
+                    const Appliance::DeviceNews& news, Instant now) {
     look_at_absence(appliance.absence(), now);
-    look_at_devices(news.events, now);
+    for (const Appliance::DeviceEvent& event : news.events) {
+        if (!event.problem.empty()) {
+            log_warning("{}", event.problem);
+        }
+    }
+    changes_.look(changes, now);
     can_.look(appliance, news.restarts, now);
     sensor_buses_.look(appliance, now);
-    nodes_.look(appliance, now);
     const Configuration& configuration = appliance.configuration();
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
         const InputStatus status = appliance.input_status(i);
-        look_at_input(configuration.inputs[i].name, status, inputs_[i], now);
+        look_for_two_senders(configuration.inputs[i].name, status, inputs_[i]);
         look_at_implausible(configuration.inputs[i].name, status, inputs_[i], now);
         look_at_unproved(configuration.inputs[i].name, status, inputs_[i], now);
         const std::size_t port = port_of(appliance, input_station(i));
@@ -363,8 +262,8 @@ void StateLog::look(const Appliance& appliance, const Appliance::DeviceNews& new
     }
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
         const OutputStatus status = appliance.output_status(i);
-        look_at_output(configuration.outputs[i].name, status, appliance.inputs_of(i), outputs_[i],
-                       now);
+        look_at_presets(configuration.outputs[i].name, status, outputs_[i]);
+        look_at_drops(configuration.outputs[i].name, status, outputs_[i], now);
         look_at_answers(configuration.outputs[i], status, outputs_[i]);
     }
 }

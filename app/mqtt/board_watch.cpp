@@ -11,6 +11,10 @@ namespace {
 constexpr Duration kWatchPeriod = std::chrono::milliseconds(200);
 constexpr std::size_t kMostDaemons = 64;
 
+std::int64_t uptime_us(const nlohmann::json& status) {
+    return status_fields::whole(status, "uptime_us").value_or(0);
+}
+
 }  // namespace
 
 BoardWatch::BoardWatch(BoardOptions options, Outbox& outbox)
@@ -39,6 +43,7 @@ void BoardWatch::look(Instant now, std::chrono::microseconds wall_time) {
             take(daemon, line, now);
         }
         if (!daemon.link.connected()) {
+            daemon.changes.disconnected();
             become(daemon, Presence::gone, now, wall_time);
         } else if (now - daemon.received > kHangs) {
             become(daemon, Presence::silent, now, wall_time);
@@ -51,28 +56,54 @@ void BoardWatch::look(Instant now, std::chrono::microseconds wall_time) {
 }
 
 void BoardWatch::take(Daemon& daemon, const std::string& line, Instant now) {
-    auto status = nlohmann::json::parse(line, nullptr, false);
-    if (!status.is_object() || status_fields::raw_text(status, "type") != "status") {
-        return;
+    auto object = nlohmann::json::parse(line, nullptr, false);
+    const std::string type = status_fields::raw_text(object, "type");
+    if (type == "status") {
+        take_status(daemon, std::move(object), now);
+    } else if (type == "changes" && daemon.newest) {
+        take_changes(daemon, object, now);
     }
+}
+
+void BoardWatch::take_status(Daemon& daemon, nlohmann::json status, Instant now) {
     daemon.received = now;
-    std::vector<Event> events;
-    if (daemon.newest) {
-        events = changes(*daemon.newest, status, now);
+    if (daemon.newest && uptime_us(status) < uptime_us(*daemon.newest)) {
+        const auto since = std::chrono::microseconds(uptime_us(status));
+        const auto wall = status_fields::whole(status, "unix_time_us").value_or(0) - since.count();
+        outbox_.add(daemon.topics.event,
+                    daemon_event("restarted", "the daemon started again", wall, now - since));
+        daemon.told = {};
     }
-    const bool tells = !events.empty() || now - daemon.told >= kTellPeriod;
-    for (Event& event : events) {
-        outbox_.add(daemon.topics.event, std::move(event));
+    if (const auto request = daemon.changes.take_status(status)) {
+        daemon.link.send(*request);
     }
     if (!options_.discovery.empty()) {
         outbox_.retain(daemon.discovery_topic,
                        discovery_payload(daemon.topics, options_.board, status, options_.version));
     }
-    if (tells) {
-        outbox_.tell(daemon.topics.status, status_payload(status));
-        daemon.told = now;
-    }
     daemon.newest = std::move(status);
+    if (now - daemon.told >= kTellPeriod) {
+        tell_status(daemon, now);
+    }
+}
+
+void BoardWatch::take_changes(Daemon& daemon, const nlohmann::json& answer, Instant now) {
+    const ChangeReader::News news = daemon.changes.take_answer(answer);
+    outbox_.lost(news.lost);
+    for (const nlohmann::json& change : news.changes) {
+        if (auto event = event_of(change, *daemon.newest, now)) {
+            outbox_.add(daemon.topics.event, std::move(*event));
+        }
+    }
+    if (news.request) {
+        daemon.link.send(*news.request);
+    }
+    tell_status(daemon, now);
+}
+
+void BoardWatch::tell_status(Daemon& daemon, Instant now) {
+    outbox_.tell(daemon.topics.status, status_payload(*daemon.newest));
+    daemon.told = now;
 }
 
 void BoardWatch::become(Daemon& daemon, Presence presence, Instant now,

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/client/change_reader.h"
 #include "app/client/control_socket.h"
 #include "app/client/monitor_link.h"
 #include "app/mqtt/discovery.h"
@@ -52,12 +53,16 @@ class BoardWatch {
         DaemonTopics topics;
         std::string discovery_topic;
         Presence presence = Presence::unknown;
+        ChangeReader changes{};
         std::optional<nlohmann::json> newest{};
         Instant received{};
         Instant told{};
     };
 
     void take(Daemon& daemon, const std::string& line, Instant now);
+    void take_status(Daemon& daemon, nlohmann::json status, Instant now);
+    void take_changes(Daemon& daemon, const nlohmann::json& answer, Instant now);
+    void tell_status(Daemon& daemon, Instant now);
     void become(Daemon& daemon, Presence presence, Instant now,
                 std::chrono::microseconds wall_time);
 

@@ -35,6 +35,11 @@ void Outbox::add(const std::string& topic, Event event) {
                        .lost_before = std::exchange(lost_, 0)});
 }
 
+void Outbox::lost(std::uint64_t events) {
+    const std::lock_guard lock(mutex_);
+    lost_ += events;
+}
+
 void Outbox::connected() {
     const std::lock_guard lock(mutex_);
     connected_ = true;

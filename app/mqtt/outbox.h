@@ -43,6 +43,8 @@ class Outbox {
     void tell(const std::string& topic, std::string payload);
     /// An event; it is kept until the broker has acknowledged it.
     void add(const std::string& topic, Event event);
+    /// So many events before the next one are not known.
+    void lost(std::uint64_t events);
 
     /// The broker is there: what is retained is sent first, then the events that waited, marked
     /// late. A status from before is dropped: it is old.

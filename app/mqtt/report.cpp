@@ -22,13 +22,8 @@ using namespace status_fields;
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr std::int64_t kMicrosecondsASecond = 1'000'000;
-constexpr std::array<std::string_view, 7> kEventTypes{"input", "output",        "device", "bus",
-                                                      "value", "configuration", "daemon"};
-
-std::string with_blanks(std::string word) {
-    std::ranges::replace(word, '_', ' ');
-    return word;
-}
+constexpr std::array<std::string_view, 8> kEventTypes{"input", "output", "device",        "bus",
+                                                      "node",  "value",  "configuration", "daemon"};
 
 /// "2026-11-26T20:45:13.250Z".
 std::string utc(std::int64_t unix_time_us) {
@@ -108,118 +103,6 @@ OrderedJson parts_json(const PartKind& kind, const Json& status) {
     return json;
 }
 
-const Json* named(const Json& elements, const std::string& name) {
-    const auto found = std::ranges::find_if(
-        elements, [&name](const Json& element) { return raw_text(element, "name") == name; });
-    return found == elements.end() ? nullptr : &*found;
-}
-
-/// Collects the changes between two statuses.
-class Changes {
-  public:
-    Changes(const Json& before, const Json& after, Instant now)
-        : before_(before), after_(after), now_(now) {}
-
-    std::vector<Event> take() {
-        if (number(after_, "uptime_us").value_or(0) < number(before_, "uptime_us").value_or(0)) {
-            // Counters and states of another process say nothing of changes.
-            add({"daemon", raw_text(after_, "name"), "restarted", "", "started again"},
-                whole(after_, "uptime_us"));
-            return std::move(events_);
-        }
-        configuration();
-        each("inputs", [this](const Json& old, const Json& fresh) { input(old, fresh); });
-        each("outputs", [this](const Json& old, const Json& fresh) { output(old, fresh); });
-        each("ports", [this](const Json& old, const Json& fresh) { port(old, fresh); });
-        each("values", [this](const Json& old, const Json& fresh) { value(old, fresh); });
-        return std::move(events_);
-    }
-
-  private:
-    /// `ago_us`: for how long it has been so.
-    void add(Event event, std::optional<std::int64_t> ago_us = std::nullopt) {
-        const std::int64_t ago = ago_us.value_or(0);
-        event.unix_time_us = whole(after_, "unix_time_us").value_or(0) - ago;
-        event.at = now_ - std::chrono::microseconds(ago);
-        events_.push_back(std::move(event));
-    }
-
-    template <class Compare>
-    void each(const char* key, Compare compare) {
-        for (const Json& fresh : list(after_, key)) {
-            if (const Json* old = named(list(before_, key), raw_text(fresh, "name"))) {
-                compare(*old, fresh);
-            }
-        }
-    }
-
-    void configuration() {
-        const bool changed = field(before_, "fingerprint") != field(after_, "fingerprint");
-        const bool was_on_trial = !field(before_, "trial").is_null();
-        const bool is_on_trial = !field(after_, "trial").is_null();
-        const std::string_view word = is_on_trial && !was_on_trial ? "on_trial"
-                                      : was_on_trial && !is_on_trial
-                                          ? (changed ? "went_back" : "kept")
-                                          : "changed";
-        if (changed || was_on_trial != is_on_trial) {
-            add({"configuration", raw_text(after_, "name"), std::string(word), "",
-                 "configuration: " + with_blanks(std::string(word))});
-        }
-    }
-
-    void input(const Json& old, const Json& fresh) {
-        const std::string cause = raw_text(fresh, "cause");
-        if (raw_text(old, "cause") != cause) {
-            const std::string name = raw_text(fresh, "name");
-            add({"input", name, cause, raw_text(old, "cause"),
-                 fmt::format("input {}: {}", name, with_blanks(cause))},
-                whole(fresh, "state_age_us"));
-        }
-    }
-
-    void output(const Json& old, const Json& fresh) {
-        const std::string state = raw_text(fresh, "state");
-        const std::string source = raw_text(fresh, "input");
-        const bool taken_over = state == "control" && raw_text(old, "input") != source;
-        if (raw_text(old, "state") != state || taken_over) {
-            const std::string name = raw_text(fresh, "name");
-            add({"output", name, state, raw_text(old, "state"),
-                 state == "control" ? fmt::format("output {}: under control of {}", name, source)
-                                    : fmt::format("output {}: {}", name, with_blanks(state))});
-        }
-    }
-
-    void port(const Json& old, const Json& fresh) {
-        const std::string name = raw_text(fresh, "name");
-        const bool present = flag(fresh, "present");
-        if (flag(old, "present") != present) {
-            const std::string word = present ? "back" : "gone";
-            add({"device", name, word, present ? "gone" : "back",
-                 fmt::format("device {}: {}", name, word)});
-        }
-        const std::string bus = raw_text(field(fresh, "can"), "state");
-        const std::string bus_before = raw_text(field(old, "can"), "state");
-        if (bus != bus_before && !bus.empty()) {
-            add({"bus", name, bus, bus_before,
-                 fmt::format("CAN interface {}: {}", name, with_blanks(bus))});
-        }
-    }
-
-    void value(const Json& old, const Json& fresh) {
-        if (is_told(old) && is_told(fresh) && flag(old, "stale") != flag(fresh, "stale")) {
-            const std::string name = raw_text(fresh, "name");
-            const std::string word = flag(fresh, "stale") ? "stale" : "fresh";
-            add({"value", name, word, flag(old, "stale") ? "stale" : "fresh",
-                 fmt::format("value {}: {}", name, word)});
-        }
-    }
-
-    const Json& before_;
-    const Json& after_;
-    Instant now_;
-    std::vector<Event> events_;
-};
-
 std::string one_line(const OrderedJson& json) {
     // Names of devices may have bytes that are not UTF-8.
     return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
@@ -231,8 +114,29 @@ std::vector<std::string_view> event_types() {
     return {kEventTypes.begin(), kEventTypes.end()};
 }
 
-std::vector<Event> changes(const Json& before, const Json& after, Instant now) {
-    return Changes(before, after, now).take();
+std::optional<Event> event_of(const Json& change, const Json& status, Instant now) {
+    const std::string part = raw_text(change, "part");
+    const std::string what = raw_text(change, "field");
+    const bool known = std::ranges::find(kEventTypes, part) != kEventTypes.end();
+    const bool of_state = what == "state" || what == "cause" || what == "lost";
+    if (!known || (!of_state && what != "input")) {
+        return std::nullopt;
+    }
+    const std::int64_t ago_us =
+        whole(status, "t_us").value_or(0) - whole(change, "t_us").value_or(0);
+    Event event{.type = part,
+                .name = raw_text(change, "name"),
+                .now = raw_text(change, "now"),
+                .before = raw_text(change, "was"),
+                .text = raw_text(change, "text"),
+                .unix_time_us = whole(change, "unix_time_us").value_or(0),
+                .at = now - std::chrono::microseconds(ago_us)};
+    if (!of_state) {
+        // Another input has taken over, in the same state.
+        event.now = "control";
+        event.before = "control";
+    }
+    return event;
 }
 
 Event daemon_event(std::string_view word, std::string_view text, std::int64_t unix_time_us,

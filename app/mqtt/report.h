@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,9 +20,9 @@ inline constexpr Duration kOldFigures = std::chrono::seconds(1);
 
 /// A change, told once.
 struct Event {
-    std::string type{};  ///< "input", "output", "device", "bus", "value", "configuration", "daemon"
-    std::string name{};  ///< of the input, output, ...
-    std::string now{};   ///< a word of the status: a cause, a state
+    std::string type{};             ///< part of the change
+    std::string name{};             ///< of the input, output, ...
+    std::string now{};              ///< a word of the status: a cause, a state
     std::string before{};           ///< the same; empty if unknown
     std::string text{};             ///< for people
     std::int64_t unix_time_us = 0;  ///< by the clock of the board
@@ -31,8 +32,9 @@ struct Event {
 /// Words of `Event::type`.
 std::vector<std::string_view> event_types();
 
-/// The changes from one status of a daemon to a later one, read at `now`.
-std::vector<Event> changes(const Json& before, const Json& after, Instant now);
+/// The event of a change that the daemon tells (docs/status.md, "Changes"); `status` is of `now`.
+/// Nothing for details of a state.
+std::optional<Event> event_of(const Json& change, const Json& status, Instant now);
 
 /// An event about the daemon itself.
 Event daemon_event(std::string_view word, std::string_view text, std::int64_t unix_time_us,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
+#include <set>
 #include <system_error>
 #include <utility>
 
@@ -227,11 +228,6 @@ void FlightRecorder::record_ports(const Configuration& configuration,
         retire(std::move(port_ring));
     }
     write_plan();
-    output_names_.clear();
-    for (const OutputConfig& output : configuration.outputs) {
-        output_names_.push_back(output.name);
-    }
-    failsafe_entries_.clear();
 }
 
 void FlightRecorder::retire(std::unique_ptr<PortRing> port_ring) {
@@ -273,29 +269,24 @@ RecordingOrder FlightRecorder::order(const Event& event, Duration wall_offset) c
     return order_for(config_, directory_, plan_, event, wall_offset);
 }
 
-void FlightRecorder::note_failsafes(std::span<const std::uint64_t> entries, Instant now,
-                                    Duration wall_now) {
-    std::string names;
-    for (std::size_t i = 0; i < entries.size() && failsafe_entries_.size() == entries.size(); ++i) {
-        if (entries[i] > failsafe_entries_[i]) {
-            names += (names.empty() ? "" : ", ") + output_names_[i];
-        }
-    }
-    failsafe_entries_.assign(entries.begin(), entries.end());
-    if (names.empty() || !config_.on_failsafe || failsafe_ || now < quiet_until_) {
+void FlightRecorder::note_failsafes(std::span<const FailsafeEntry> entries) {
+    if (entries.empty() || !config_.on_failsafe || failsafe_ || entries.front().at < quiet_until_) {
         return;
     }
+    std::set<std::string> names;
+    for (const FailsafeEntry& entry : entries) {
+        names.insert(entry.output);
+    }
     failsafe_ = Event{.kind = "failsafe",
-                      .reason = "failsafe of output " + names,
-                      .wall = wall_now,
-                      .at = now,
-                      .due = later(now, config_.after)};
+                      .reason = fmt::format("failsafe of output {}", fmt::join(names, ", ")),
+                      .wall = entries.front().wall,
+                      .at = entries.front().at,
+                      .due = later(entries.front().at, config_.after)};
     quiet_until_ = later(failsafe_->due, config_.pause);
 }
 
-void FlightRecorder::look(std::span<const std::uint64_t> failsafe_entries, Instant now,
-                          Duration wall_now) {
-    note_failsafes(failsafe_entries, now, wall_now);
+void FlightRecorder::look(std::span<const FailsafeEntry> entries, Instant now, Duration wall_now) {
+    note_failsafes(entries);
     run_jobs(now, wall_now);
 }
 

@@ -32,6 +32,13 @@ struct RecordedEvent {
     std::uint64_t number = 0;  ///< 0: not requested by a client
 };
 
+/// An output went into failsafe.
+struct FailsafeEntry {
+    std::string output;
+    Instant at{};
+    Duration wall{};
+};
+
 /// Whether somebody waits for a disk that does not answer.
 enum class DiskPatience : std::uint8_t { waits, does_not_wait };
 
@@ -63,8 +70,8 @@ class FlightRecorder {
     /// The folder of the recordings.
     const std::filesystem::path& directory() const { return directory_; }
 
-    /// Call it a few times a second. `failsafe_entries`: how often each output went into failsafe.
-    void look(std::span<const std::uint64_t> failsafe_entries, Instant now, Duration wall_now);
+    /// Call it a few times a second, with the entries since the last call, the oldest first.
+    void look(std::span<const FailsafeEntry> entries, Instant now, Duration wall_now);
 
     /// Answers the requests `record`, which begins a recording, and `record NUMBER`, which returns
     /// its state. The answer is a JSON object.
@@ -93,7 +100,7 @@ class FlightRecorder {
     RecordingOrder order(const Event& event, Duration wall_offset) const;
     void write_left(Instant now, Duration wall_now, DiskPatience patience);
     bool pending() const { return job_ || failsafe_ || request_; }
-    void note_failsafes(std::span<const std::uint64_t> entries, Instant now, Duration wall_now);
+    void note_failsafes(std::span<const FailsafeEntry> entries);
     void begin(const Event& event, Instant now, Duration wall_now);
     void end_job();
     void retire(std::unique_ptr<PortRing> port_ring);
@@ -112,8 +119,6 @@ class FlightRecorder {
     /// By device: why it is not recorded.
     std::map<std::string, std::string> lacks_;
     RecordingPlan plan_;
-    std::vector<std::string> output_names_;
-    std::vector<std::uint64_t> failsafe_entries_;
     std::optional<Event> failsafe_;
     std::optional<Event> request_;
     Instant quiet_until_{};

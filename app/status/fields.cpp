@@ -133,6 +133,9 @@ constexpr StatusField kFields[]{
      "grows, all others are old",
      figures_age_or_uptime,
      {.metric = "figures_age_seconds", .in_status = false}},
+    {"changes", FieldKind::counter,
+     "changes of state since the start; the number of the newest one, for the request `changes`",
+     member<&StatusReport::changes>},
     {"absences", FieldKind::counter,
      "times that the program did not run for 100 ms or longer: it was stopped, suspended, or "
      "without processor time",

@@ -1,6 +1,7 @@
 #include <array>
 #include <cstddef>
 
+#include "app/state_text/part_text.h"
 #include "app/status/field_tables.h"
 #include "app/status/field_values.h"
 #include "config/schema/choices.h"
@@ -163,9 +164,8 @@ namespace {
 
 using namespace field_values;
 
-constexpr std::array<std::string_view, 3> kStages{"allocating", "online", "conflict"};
 OrderedJson state(const StatusPart& part) {
-    return kStages[static_cast<std::size_t>(of<NodeStatus>(part).report.stage)];
+    return kNodeStageWords[static_cast<std::size_t>(of<NodeStatus>(part).report.stage)];
 }
 OrderedJson id(const StatusPart& part) {
     const dronecan::NodeId id = of<NodeStatus>(part).report.id;
@@ -178,7 +178,7 @@ constexpr StatusField kFields[]{
      FieldKind::word,
      "`allocating`: it waits for an id; `conflict`: another node has its id, so it is silent",
      state,
-     {.words = kStages, .metric = "state"}},
+     {.words = kNodeStageWords, .metric = "state"}},
     {"id", FieldKind::amount, "its node id", id, {.may_be_null = true}},
     {"sent", FieldKind::counter, "own transfers", member<&dronecan::NodeCounts::sent>},
     {"received", FieldKind::counter, "transfers addressed to it, and allocation messages",

@@ -75,6 +75,7 @@ struct StatusReport {
     std::string fingerprint;             ///< of the configuration with every default
     std::vector<std::string> missing_realtime;
     AbsenceStatus absence;
+    std::uint64_t changes = 0;  ///< number of the newest change of state
     std::vector<InputReport> inputs;
     std::vector<OutputReport> outputs;
     std::vector<PortReport> ports;

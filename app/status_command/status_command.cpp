@@ -19,6 +19,7 @@
 #include "app/cli/object_text.h"
 #include "app/cli/streams.h"
 #include "app/client/ask_daemon.h"
+#include "app/client/change_reader.h"
 #include "app/client/monitor_link.h"
 #include "app/client/status_fields.h"
 #include "app/status_command/summary.h"
@@ -87,58 +88,84 @@ class StatusWatch {
         }
         const Instant now = monotonic_now();
         if (!link_.connected()) {
-            if (const auto end = miss(link_.problem(), now)) {
+            if (const auto end = miss(link_.problem())) {
                 return end;
             }
             link_.reconnect(now);
         } else if (now - came_at_ > kStatusPatience) {
-            return miss("it runs but does not answer", now);
+            return miss("it runs but is silent");
         }
         return std::nullopt;
     }
 
-    std::optional<int> take(const nlohmann::json& status) {
-        if (status_fields::raw_text(status, "type") == "error") {
-            return complain(status_fields::text(status, "error"), kExitFailed);
+    std::optional<int> take(const nlohmann::json& object) {
+        const std::string type = status_fields::raw_text(object, "type");
+        if (type == "changes") {
+            return take_changes(changes_.take_answer(object));
         }
-        auto found = status_summary::of_status(status);
+        if (type == "error") {
+            return complain(status_fields::text(object, "error"), kExitFailed);
+        }
+        auto found = status_summary::of_status(object);
         if (!found) {
             return complain(found.error(), kExitFailed);
         }
+        if (const auto request = changes_.take_status(object)) {
+            link_.send(*request);
+        }
         came_at_ = monotonic_now();
-        const bool fresh = !answers_;
+        const bool old = status_fields::flag(nlohmann::json(*found), "figures_old");
         bool read = true;
-        if (fresh && !latest_.is_null()) {
-            read = print_change(answers_change(true, "", came_at_));
+        if (!answers_ && !latest_.is_null()) {
+            read = print_daemon("answers", true, "answers again");
         }
-        if (fresh) {
-            read = read && print_whole(options_, *found);
-        } else {
-            for (const auto& change : status_summary::changes(latest_, *found)) {
-                read = read && print_change(change);
-            }
-        }
-        answers_ = true;
         latest_ = std::move(*found);
+        if (!std::exchange(answers_, true)) {
+            read = read && print_whole(options_, latest_);
+        } else if (old != figures_old_) {
+            read = print_daemon("figures_old", old,
+                                old ? "stands still: nothing is known about now" : "goes on");
+        }
+        figures_old_ = old;
+        return read ? std::nullopt : std::optional(kExitFine);
+    }
+
+    std::optional<int> take_changes(const ChangeReader::News& news) {
+        bool read = true;
+        if (news.lost > 0) {
+            read = print_daemon("changes_lost", true,
+                                fmt::format("{} came and went before", news.lost));
+        }
+        for (const auto& change : news.changes) {
+            read = read && print_change(status_summary::of_change(change));
+        }
+        if (news.request) {
+            link_.send(*news.request);
+        }
         return read ? std::nullopt : std::optional(kExitFine);
     }
 
     /// The daemon has gone or is silent: what was told of it counts no more.
-    std::optional<int> miss(const std::string& why, Instant now) {
+    std::optional<int> miss(const std::string& why) {
+        changes_.disconnected();
         if (latest_.is_null()) {
             return complain(why, kExitFailed);
         }
-        if (!answers_) {
+        if (!std::exchange(answers_, false)) {
             return std::nullopt;
         }
-        answers_ = false;
-        return print_change(answers_change(false, why, now)) ? std::nullopt
-                                                             : std::optional(kExitFine);
+        return print_daemon("answers", false, "does not answer", why) ? std::nullopt
+                                                                      : std::optional(kExitFine);
     }
 
-    nlohmann::ordered_json answers_change(bool answers, const std::string& why, Instant now) const {
-        return status_summary::change_of_answers(
-            latest_, answers, why, whole_us(now.time_since_epoch()), whole_us(wall_time_now()));
+    bool print_daemon(std::string field, bool now, std::string text, std::string why = "") const {
+        return print_change(status_summary::change_of_daemon(
+            latest_, {.field = std::move(field),
+                      .now = now,
+                      .text = std::move(text),
+                      .why = std::move(why),
+                      .t_us = whole_us(monotonic_now().time_since_epoch()),
+                      .unix_time_us = whole_us(wall_time_now())}));
     }
 
     bool print_change(const nlohmann::ordered_json& change) const {
@@ -148,8 +175,10 @@ class StatusWatch {
     MonitorLink link_;
     StatusOptions options_;
     MainWait wait_;
+    ChangeReader changes_;
     nlohmann::ordered_json latest_;
     bool answers_ = false;
+    bool figures_old_ = false;
     Instant came_at_{};
 };
 

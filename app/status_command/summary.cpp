@@ -39,16 +39,13 @@ Ordered input_of(const Json& input, bool old) {
 }
 
 Ordered output_of(const Json& output, bool old) {
-    Ordered json{{"name", status_fields::field(output, "name")},
-                 {"state", old ? Json(kUnknown) : status_fields::field(output, "state")},
-                 {"obstacle", old ? Json() : status_fields::field(output, "obstacle")},
-                 {"input", old ? Json() : status_fields::field(output, "input")},
-                 {"waits_for", old ? Json() : status_fields::field(output, "waits_for")},
-                 {"failsafe_entries", status_fields::count(output, "failsafe_entries")}};
-    if (const Json& module = status_fields::field(output, "module"); !old && module.is_string()) {
-        json["module"] = module;
-    }
-    return json;
+    return {{"name", status_fields::field(output, "name")},
+            {"state", old ? Json(kUnknown) : status_fields::field(output, "state")},
+            {"obstacle", old ? Json() : status_fields::field(output, "obstacle")},
+            {"input", old ? Json() : status_fields::field(output, "input")},
+            {"text", old ? Json(kUnknown) : status_fields::field(output, "text")},
+            {"waits_for", old ? Json() : status_fields::field(output, "waits_for")},
+            {"failsafe_entries", status_fields::count(output, "failsafe_entries")}};
 }
 
 std::string device_state(const Json& port) {
@@ -96,13 +93,11 @@ std::string input_words(const Json& input) {
 }
 
 std::string output_words(const Json& output) {
-    const std::string from = status_fields::text(output, "input");
+    const std::string text = status_fields::text(output, "text");
     const std::string awaited = status_fields::text(output, "waits_for");
-    const std::string module = status_fields::text(output, "module");
-    return fmt::format("output {}: {}{}{}{}", status_fields::text(output, "name"),
-                       status_fields::text(output, "state"), from.empty() ? "" : " from " + from,
-                       awaited.empty() ? "" : ", waits for " + awaited,
-                       module.empty() ? "" : ", module " + module);
+    return fmt::format("output {}: {}{}", status_fields::text(output, "name"),
+                       text.empty() ? status_fields::text(output, "state") : text,
+                       awaited.empty() ? "" : "; waits for " + awaited);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -22,17 +23,20 @@ tl::expected<nlohmann::ordered_json, std::string> of_status(const nlohmann::json
 /// Control characters of names become question marks.
 std::vector<std::string> lines(const nlohmann::ordered_json& summary);
 
-/// Whatever differs between two summaries of one daemon, as objects of type "change": causes,
-/// states, the input in control, devices, the configuration, trials; also a loss or a failsafe that
-/// came and went between the two. A part that is in one of them only has null in the other.
-std::vector<nlohmann::ordered_json> changes(const nlohmann::ordered_json& before,
-                                            const nlohmann::ordered_json& after);
+/// A change as the daemon tells it (docs/status.md, "Changes"), with the same fields.
+nlohmann::ordered_json of_change(const nlohmann::json& change);
 
-/// A change of whether the daemon answers; `why` may be empty. Times in microseconds as in a
-/// status.
-nlohmann::ordered_json change_of_answers(const nlohmann::ordered_json& summary, bool answers,
-                                         const std::string& why, std::int64_t t_us,
-                                         std::int64_t unix_time_us);
+/// A change of the daemon itself that its client found.
+struct DaemonChange {
+    std::string field;  ///< "answers" or "figures_old"
+    bool now = false;   ///< and it was the opposite
+    std::string text;
+    std::string why{};
+    std::int64_t t_us = 0;  ///< times as in a status
+    std::int64_t unix_time_us = 0;
+};
+nlohmann::ordered_json change_of_daemon(const nlohmann::ordered_json& summary,
+                                        const DaemonChange& change);
 
 /// The change in words, with its time in UTC in front.
 std::string line(const nlohmann::ordered_json& change);

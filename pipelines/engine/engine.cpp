@@ -33,6 +33,15 @@ Engine::Engine(std::vector<InputSettings> inputs, std::vector<OutputSettings> ou
     }
     due_.assign(outputs_.size(), kNever);
     ran_.reserve(outputs_.size());
+    told_inputs_.resize(inputs_.size());
+    told_outputs_.resize(outputs_.size());
+    for (Input& input : inputs_) {
+        input.tell_changes_to(*this);
+    }
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+        outputs_[i].tell_changes_to(*this, i);
+        told_outputs_[i] = state_of(i, {});
+    }
 }
 
 void Engine::start(Instant now) {
@@ -49,6 +58,7 @@ void Engine::continue_from(Engine& before, const EngineCarry& carry, Instant now
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
         if (const CarriedFrom from = carry.inputs[i].from) {
             inputs_[i].continue_from(before.inputs_[*from], carry.inputs[i], now);
+            told_inputs_[i] = before.told_inputs_[*from];
         }
     }
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
@@ -60,6 +70,10 @@ void Engine::continue_from(Engine& before, const EngineCarry& carry, Instant now
         if (const CarriedFrom from = carry.outputs[i].from) {
             outputs_[i].continue_from(before.outputs_[*from], carry.outputs[i], carry.inputs, now);
             due_[i] = outputs_[i].due();
+            // Its inputs may have other numbers now, which is no change of state.
+            const PartState& told = before.told_outputs_[*from];
+            told_outputs_[i] = {.output = outputs_[i].state(now), .sends = told.sends};
+            told_outputs_[i].output.stage = told.output.stage;
         }
     }
 }
@@ -84,6 +98,51 @@ LinkState Engine::input_state(std::size_t input, Instant now) const {
         state.cause = LinkCause::unproved;
     }
     return state;
+}
+
+void Engine::add(Change change) {
+    if (changes_ != nullptr) {
+        changes_->add(change);
+    }
+}
+
+LinkState Engine::tell_input(std::size_t input, Instant now) {
+    const LinkState state = input_state(input, now);
+    PartState& told = told_inputs_[input];
+    if (state.cause != told.link.cause) {
+        const PartState was = std::exchange(told, {.link = state});
+        add({.at = now, .part = Change::Part::input, .index = input, .was = was, .now = told});
+    }
+    return state;
+}
+
+PartState Engine::state_of(std::size_t output, Instant now) const {
+    return {.output = outputs_[output].state(now), .sends = outputs_[output].has_frames()};
+}
+
+OutputState Engine::tell_output(std::size_t output, Instant now) {
+    const PartState fresh = state_of(output, now);
+    PartState& told = told_outputs_[output];
+    // Channels may be absent in one frame and present in the next.
+    told.output.by_preset = fresh.output.by_preset;
+    // Whoever removes an output or ends the program knows that it goes into failsafe.
+    if ((fresh.output != told.output || fresh.sends != told.sends) && !outputs_[output].ends()) {
+        const PartState was = std::exchange(told, fresh);
+        add({.at = now, .part = Change::Part::output, .index = output, .was = was, .now = fresh});
+    }
+    return fresh.output;
+}
+
+/// An input that an output takes is good, and nothing else tells that. An output that leaves
+/// control looks further ahead than its input, which will be lost a period later or not at all.
+void Engine::output_changed(std::size_t output, Instant now) {
+    outputs_[output].look_at_stage(now);
+    tell_output(output, now);
+    for (const std::size_t input : outputs_[output].inputs()) {
+        if (told_inputs_[input].link.cause == LinkCause::unproved) {
+            tell_input(input, now);
+        }
+    }
 }
 
 void Engine::was_away(Instant since, Instant now) {

@@ -11,6 +11,8 @@
 #include "core/time.h"
 #include "pipelines/dronecan/node.h"
 #include "pipelines/engine/carry_over.h"
+#include "pipelines/engine/change.h"
+#include "pipelines/engine/change_watch.h"
 #include "pipelines/engine/input.h"
 #include "pipelines/engine/line_roles.h"
 #include "pipelines/engine/output.h"
@@ -21,11 +23,16 @@ namespace tribus {
 /// All inputs and outputs of a configuration and the connections between them. Makes no system call
 /// and does not allocate. The caller (the real-time loop, or a simulation under virtual time)
 /// passes received bytes, calls `poll` and sends what the outputs made. Thread-bound.
-class Engine {
+class Engine final : private ChangeWatch {
   public:
     Engine(std::vector<InputSettings> inputs, std::vector<OutputSettings> outputs,
            std::vector<LineTask> lines = {}, std::vector<dronecan::NodeSettings> nodes = {});
 
+    Engine(const Engine&) = delete;
+    Engine& operator=(const Engine&) = delete;
+
+    /// Tells `sink`, which must outlive the engine, each change of state of an input or output.
+    void tell_changes_to(ChangeSink& sink) { changes_ = &sink; }
     void start(Instant now);
     /// Call after `start`. The parts named in `carry` take over their state in `before`, which is
     /// unusable afterwards.
@@ -104,6 +111,10 @@ class Engine {
     /// State of an input for whoever reads it: `unproved` instead of `good` while it feeds outputs
     /// and none of them could use its frames at `now`.
     LinkState input_state(std::size_t input, Instant now) const;
+    /// The same for `now`, and the state of an output. A change that shows itself in no frame of an
+    /// output is told by these calls, which should be a few a second.
+    LinkState tell_input(std::size_t input, Instant now);
+    OutputState tell_output(std::size_t output, Instant now);
 
     std::span<const Input> inputs() const { return inputs_; }
     std::span<const Output> outputs() const { return outputs_; }
@@ -114,6 +125,10 @@ class Engine {
     const dronecan::Node& node(std::size_t index) const { return *nodes_[index]; }
 
   private:
+    void input_changed(std::size_t input, Instant now) override { tell_input(input, now); }
+    void output_changed(std::size_t output, Instant now) override;
+    PartState state_of(std::size_t output, Instant now) const;
+    void add(Change change);
     Instant end_output(std::size_t output, Instant now);
     bool announce(std::size_t input, bool frame_came);
     Instant poll_nodes(Instant now);
@@ -131,6 +146,11 @@ class Engine {
     /// When each output is due. Kept together because every wake-up searches all of them.
     std::vector<Instant> due_;
     std::vector<std::size_t> ran_;
+    /// Null: nobody is told.
+    ChangeSink* changes_ = nullptr;
+    /// What the newest change of each input, and of each output, says of it.
+    std::vector<PartState> told_inputs_;
+    std::vector<PartState> told_outputs_;
 };
 
 }  // namespace tribus

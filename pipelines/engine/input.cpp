@@ -127,11 +127,20 @@ void Input::judge(Instant now) {
     looked_at_ = now;
     const LinkState fresh = supervisor_.state(now);
     if (fresh.cause != ongoing_.state.cause) {
-        ++ongoing_.counts.began[static_cast<std::size_t>(fresh.cause)];
-        ongoing_.loss = fresh.cause == LinkCause::good ? ongoing_.loss : fresh;
-        ongoing_.loss_at = now;
+        change_state(fresh, now);
+    } else {
+        ongoing_.state = fresh;
     }
+}
+
+[[gnu::cold]] void Input::change_state(const LinkState& fresh, Instant now) {
+    ++ongoing_.counts.began[static_cast<std::size_t>(fresh.cause)];
+    ongoing_.loss = fresh.cause == LinkCause::good ? ongoing_.loss : fresh;
+    ongoing_.loss_at = now;
     ongoing_.state = fresh;
+    if (watch_ != nullptr) {
+        watch_->input_changed(index_, now);
+    }
 }
 
 /// Between two frames of the input, slews go on towards what the latest one said.

@@ -16,6 +16,7 @@
 #include "core/link_cause.h"
 #include "core/time.h"
 #include "pipelines/engine/carry_over.h"
+#include "pipelines/engine/change_watch.h"
 #include "pipelines/rules/channel_map.h"
 #include "pipelines/rules/link_supervisor.h"
 #include "pipelines/rules/settings.h"
@@ -57,6 +58,8 @@ class Input {
     /// `index`: of this input, stored in its frames as their source.
     Input(InputSettings settings, std::uint8_t index);
 
+    /// Tells `watch`, which must outlive the input, each change of the cause of its state.
+    void tell_changes_to(ChangeWatch& watch) { watch_ = &watch; }
     /// Takes over the state of `before`, an input with the same protocol and protocol settings, but
     /// for its keys: a frame received in part, the state of the link and the counters. `before` is
     /// unusable afterwards.
@@ -182,6 +185,7 @@ class Input {
     bool decode(std::span<const std::uint8_t> bytes, Instant now);
     void take_decoded(Instant now);
     void judge(Instant now);
+    void change_state(const LinkState& fresh, Instant now);
     void move_slews(Instant now);
     void supervise_and_map(ChannelFrame& frame, Instant arrival, Instant now);
     /// Takes a frame that arrived at `arrival`, not later than `now`. Changes its flags, as
@@ -201,6 +205,8 @@ class Input {
     Ongoing ongoing_;
     /// `state` is of then. `kNever`: something came since.
     Instant looked_at_ = kNever;
+    /// Null: nobody is told.
+    ChangeWatch* watch_ = nullptr;
 };
 
 }  // namespace tribus

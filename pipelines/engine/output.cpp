@@ -7,11 +7,6 @@
 namespace tribus {
 namespace {
 
-/// Longer than the period of any sender that a reader would confuse with this output.
-constexpr Duration kForeignSenderMemory = std::chrono::seconds(1);
-/// Fewer frames are no second sender: they may be left over in the controller from a program that
-/// has just ended, or come from a test. Readers of a protected format reject them.
-constexpr int kForeignSenderFrames = 3;
 /// Number of busy frames in a row after which the port counts as obstructed.
 constexpr int kBusyFrames = 10;
 
@@ -88,45 +83,9 @@ OutputState Output::state(Instant now) const {
 Instant Output::look_at_stage(Instant now) {
     if (stage() != ongoing_.stage_before) {
         ongoing_.stage_before = stage();
-        ongoing_.stage_since =
-            stage() == OutputStage::holding ? std::min(ongoing_.holding_since, now) : now;
+        ongoing_.stage_since = stage() == OutputStage::holding ? ongoing_.holding_since : now;
     }
-    return ongoing_.stage_since;
-}
-
-OutputWait Output::wait(Instant now, std::span<const Input> inputs) const {
-    if (stage() == OutputStage::control || stage() == OutputStage::cannot_send) {
-        return {};
-    }
-    if (ending_) {
-        return {.awaited = Awaited::end};
-    }
-    if (ongoing_.forced) {
-        return {.awaited = Awaited::line};
-    }
-    if (now < ongoing_.yield_until) {
-        const bool still_heard = yield_to_foreign_sender_ &&
-                                 now < later(ongoing_.foreign_seen, kForeignSenderMemory) &&
-                                 ongoing_.foreign_run == kForeignSenderFrames;
-        // A reload may have shortened `recover` meanwhile.
-        const Duration left = std::min(ongoing_.yield_until - now, failsafe_.recover);
-        return still_heard ? OutputWait{.awaited = Awaited::other_node}
-                           : OutputWait{.awaited = Awaited::after_force,
-                                        .so_far = failsafe_.recover - left,
-                                        .needed = failsafe_.recover};
-    }
-    if (ongoing_.awaits_release) {
-        return {.awaited = Awaited::release,
-                .release_when = *failsafe_.release_when,
-                .pulse = ongoing_.release_pulse};
-    }
-    return selector_.wait(now, later(now, period()), inputs,
-                          ongoing_.stage != OutputStage::failsafe);
-}
-
-bool Output::could_use(std::size_t input, Instant now, std::span<const Input> inputs) const {
-    return selector_.could_use(input, now, later(now, period()), inputs,
-                               ongoing_.stage != OutputStage::failsafe);
+    return std::min(ongoing_.stage_since, now);
 }
 
 std::optional<std::size_t> Output::controlling_input() const {
@@ -211,6 +170,7 @@ void Output::glide_from_latest(std::optional<double> us_per_second) {
 /// A limit that still leads back from the presets does not end before it has.
 void Output::glide_to_another_input() {
     ++ongoing_.counts.changeovers;
+    ongoing_.told_stand = ~stand();
     if (!changeover_us_per_second_) {
         return;
     }
@@ -389,6 +349,16 @@ void Output::run(Instant now, std::span<const Input> inputs) {
         look_for_withheld();
     }
     schedule_.done(now, ongoing_.made_frame, valid_until_);
+    if (stand() != ongoing_.told_stand) {
+        tell_change(now);
+    }
+}
+
+[[gnu::cold]] void Output::tell_change(Instant now) {
+    ongoing_.told_stand = stand();
+    if (watch_ != nullptr) {
+        watch_->output_changed(index_, now);
+    }
 }
 
 }  // namespace tribus

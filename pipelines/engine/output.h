@@ -17,6 +17,7 @@
 #include "core/time.h"
 #include "core/value_board.h"
 #include "pipelines/engine/carry_over.h"
+#include "pipelines/engine/change_watch.h"
 #include "pipelines/engine/input.h"
 #include "pipelines/engine/input_selector.h"
 #include "pipelines/engine/output_wait.h"
@@ -122,6 +123,12 @@ class Output {
         schedule_.start(now);
         ongoing_.stage_since = now;
     }
+    /// Tells `watch`, which must outlive the output, after each run that changed its state; it is
+    /// the output of that index.
+    void tell_changes_to(ChangeWatch& watch, std::size_t index) {
+        watch_ = &watch;
+        index_ = index;
+    }
     /// Sets the source of named values. Call before `start`. `board` must outlive the output.
     void use(const ValueBoard& board) { encoder_.encoder().use(board); }
     /// Takes the slews in the maps of its inputs, of the engine's `inputs`. Call before `start`.
@@ -204,6 +211,13 @@ class Output {
     const ChannelFrame& latest() const { return ongoing_.latest; }
     /// Whether the latest `run` made a frame.
     bool sends() const { return ongoing_.made_frame; }
+    /// Whether `end` was called.
+    bool ends() const { return ending_; }
+    /// Whether it has frames to send in its present stage. In failsafe it may have none.
+    bool has_frames() const {
+        return stage() != OutputStage::failsafe || failsafe_.action == FailsafeAction::preset ||
+               (failsafe_.action == FailsafeAction::hold && ongoing_.held);
+    }
     /// When its latest frame was due.
     Instant latest_due() const { return ongoing_.latest_due; }
     /// Index of the input in control. `nullopt` if none is.
@@ -215,15 +229,21 @@ class Output {
     Duration period() const { return schedule_.period(); }
 
   private:
+    /// Longer than the period of any sender that a reader would confuse with this output.
+    static constexpr Duration kForeignSenderMemory = std::chrono::seconds(1);
+    /// Fewer frames are no second sender: they may be left over in the controller from a program
+    /// that has just ended, or come from a test. Readers of a protected format reject them.
+    static constexpr int kForeignSenderFrames = 3;
+
     /// A reload keeps this state, whatever the settings are.
     struct Ongoing {
         Glide glide{};
         /// Stage that results from the inputs; never `cannot_send`.
         OutputStage stage = OutputStage::failsafe;
         SendObstacle obstacle = SendObstacle::none;
-        int busy_run = 0;  ///< frames in a row that found the frame before still waiting
         bool forced = false;
         bool awaits_release = false;
+        int busy_run = 0;  ///< frames in a row that found the frame before still waiting
         /// The pulse that `release_when` judged. Absent: its channel is.
         std::optional<Pulse> release_pulse{};
         Instant foreign_seen{};
@@ -244,8 +264,19 @@ class Output {
         /// What `look_at_stage` found, and when first.
         OutputStage stage_before = OutputStage::failsafe;
         Instant stage_since{};
+        /// `stand` when `ChangeWatch` was told last.
+        std::uint32_t told_stand = 0;
     };
 
+    /// What differs from run to run only if the state does. Zero before the first run.
+    std::uint32_t stand() const {
+        constexpr unsigned kByte = 8;
+        return static_cast<std::uint32_t>(ongoing_.stage) |
+               static_cast<std::uint32_t>(ongoing_.obstacle) << kByte |
+               static_cast<std::uint32_t>(ongoing_.forced) << 2 * kByte |
+               static_cast<std::uint32_t>(ongoing_.awaits_release) << 3 * kByte;
+    }
+    void tell_change(Instant now);
     bool must_yield(Instant now) const;
     bool make_frame_without_inputs(ChannelFrame& frame, bool yielding);
     bool make_frame(ChannelFrame& frame, Instant now, std::span<const Input> inputs);
@@ -284,6 +315,9 @@ class Output {
     /// Lower limit of a period that the receiver asks for.
     Duration least_asked_period_;
     bool may_withhold_;
+    /// Null: nobody is told.
+    ChangeWatch* watch_ = nullptr;
+    std::size_t index_ = 0;
 };
 
 }  // namespace tribus

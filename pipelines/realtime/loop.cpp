@@ -38,6 +38,7 @@ Loop::Loop(Engine& engine, std::vector<PortWiring> wiring, std::vector<std::uniq
       bus_states_(settings.values == nullptr ? 0 : settings.values->bus_count()),
       value_status_(settings.values == nullptr ? 0 : settings.values->board().size()),
       node_reports_(engine.node_count()) {
+    engine_.tell_changes_to(*changes_);
     for (std::size_t i = 0; i < engine.inputs().size(); ++i) {
         input_timing_.push_back(std::make_unique<InputTiming>());
     }

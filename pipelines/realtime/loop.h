@@ -18,6 +18,7 @@
 #include "pipelines/engine/engine.h"
 #include "pipelines/engine/read_pacer.h"
 #include "pipelines/realtime/capture_ring.h"
+#include "pipelines/realtime/change_ring.h"
 #include "pipelines/realtime/line_exchange.h"
 #include "pipelines/realtime/machine_numbers.h"
 #include "pipelines/realtime/port_waits.h"
@@ -215,6 +216,10 @@ class Loop {
         return Instant(Duration(published_at_ns_.load(std::memory_order_acquire)));
     }
     AbsenceStatus absence() const { return absence_status_.read(); }
+    /// Changes of state of inputs and outputs, also those of the loop before. Up to the number
+    /// `changes_before` the indices are those of that one.
+    const ChangeRing& changes() const { return *changes_; }
+    std::uint64_t changes_before() const { return changes_before_; }
     /// The first port that stands.
     StandingPort standing_port() const { return standing_port_.read(); }
     /// Indices on the board.
@@ -313,6 +318,8 @@ class Loop {
     static constexpr Duration kFruitlessPause = std::chrono::microseconds(500);
 
     Engine& engine_;
+    std::unique_ptr<ChangeRing> changes_ = std::make_unique<ChangeRing>();
+    std::uint64_t changes_before_ = 0;
     LoopSettings settings_;
     Stations stations_;
     std::vector<Port> ports_;

@@ -37,7 +37,7 @@ void Loop::publish_input(std::size_t index, Instant now) {
     }
     status.skipped_bytes = input.decoder().skipped_bytes();
     status.interval = input.arrivals().interval();
-    status.state = engine_.input_state(index, now);
+    status.state = engine_.tell_input(index, now);
     status.implausible_frames = input.link().implausible().frames;
     status.ever_good = input.link().ever_good();
     status.two_senders = input.decoder().two_senders();
@@ -55,7 +55,7 @@ void Loop::publish_output(std::size_t index, Instant now) {
     status.latest = output.latest();
     status.counts = output.counts();
     status.overruns = output.overruns();
-    status.state = output.state(now);
+    status.state = engine_.tell_output(index, now);
     status.stage_since = output.look_at_stage(now);
     status.due = output.due();
     status.period = output.period();

@@ -53,6 +53,9 @@ void Loop::take_over(Loop& before, Instant now) {
     clock_ = now;
     read_until_ = now;
     absence_ = before.absence_;
+    std::swap(changes_, before.changes_);
+    changes_before_ = changes_->newest();
+    engine_.tell_changes_to(*changes_);
     before.accept_given_links();
     read_second_sockets(before, now);
     waits_.continue_from(before.waits_);

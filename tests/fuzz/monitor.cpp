@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/client/change_reader.h"
 #include "app/daemon/control_server.h"
 #include "app/inspect/live_difference.h"
 #include "app/monitor/monitor_keys.h"
@@ -65,11 +66,14 @@ FUZZ_TARGET(monitor) {
             require(line.find('\n') == std::string::npos, "a line of a summary is one line");
             lines += line;
         }
-        for (const auto& change : status_summary::changes(nlohmann::ordered_json(), *summary)) {
-            lines += status_summary::line(change);
-        }
         require(is_text_and_own_escapes(lines), "a summary sends no escapes to the terminal");
     }
+    const std::string change = status_summary::line(status_summary::of_change(view.status));
+    require(is_text_and_own_escapes(change), "a change sends no escapes to the terminal");
+    ChangeReader reader;
+    reader.take_status(view.status);
+    reader.take_status({{"changes", 7}});
+    reader.take_answer(view.status);
     static const auto configuration = load_configuration(
         "[input.a]\nprotocol=\"ibus\"\ndevice=\"/a\"\n[output.b]\nprotocol=\"sbus\"\n"
         "device=\"/b\"\n[pipeline.c]\nfrom=\"a\"\nto=\"b\"\n",

@@ -104,7 +104,8 @@ TEST_F(StatusCommand, TellsWhoControlsWhat) {
     Program& asked = status({});
     EXPECT_TRUE(with_receiver([&] { return !asked.runs(); }));
     EXPECT_EQ(asked.end(), 0);
-    EXPECT_NE(asked.output().find("\noutput servos: control from receiver\n"), std::string::npos)
+    EXPECT_NE(asked.output().find("\noutput servos: under control of receiver\n"),
+              std::string::npos)
         << asked.output();
     expect_clean_end(program);
 }
@@ -156,7 +157,7 @@ TEST_F(StatusCommand, WatchTellsEachChange) {
     EXPECT_TRUE(tells(watching, "state", "failsafe")) << watching.output();
     receiver_.plug_in();
     EXPECT_TRUE(tells(watching, "state", "there")) << watching.output();
-    EXPECT_TRUE(tells(watching, "input", "receiver")) << watching.output();
+    EXPECT_TRUE(tells(watching, "state", "control")) << watching.output();
     watching.signal(SIGTERM);
     EXPECT_EQ(watching.end(), 0);
     expect_clean_end(program);
@@ -184,18 +185,16 @@ TEST_F(StatusCommand, WatchSaysThatTheDaemonIsSilent) {
     Program& watching = status({"--watch"});
     EXPECT_TRUE(with_receiver([&] { return !watching.output().empty(); }));
     program.signal(SIGSTOP);
-    const std::string silent =
-        " daemon tribus: answers false, was true (it runs but does not answer)";
+    const std::string silent = " daemon tribus: does not answer: it runs but is silent";
     EXPECT_TRUE(eventually([&] { return count_of(silent, watching.output()) == 1; }))
         << watching.output();
     program.signal(SIGCONT);
     // The first status may still have the figures from before the stop.
     EXPECT_TRUE(with_receiver([&] {
         const std::string text = watching.output();
-        const std::size_t back = text.find(" daemon tribus: answers true, was false\ntribus: ");
+        const std::size_t back = text.find(" daemon tribus: answers again\ntribus: ");
         return back != std::string::npos &&
-               (text.find("output servos: control from receiver", back) != std::string::npos ||
-                text.find("output servos: state control, was ", back) != std::string::npos);
+               text.find("output servos: under control of receiver", back) != std::string::npos;
     })) << watching.output();
     EXPECT_EQ(count_of(silent, watching.output()), 1U);
     expect_clean_end(program);

@@ -102,9 +102,12 @@ void Witness::judge(const DecodedFrame& frame) {
         return;
     }
     testimony_.overtaken += *number < oldest_wanted_ ? 1U : 0U;
-    const Clock::duration age = arrivals_.front().not_before - *sent_[*number % kRemembered];
-    testimony_.oldest = std::max(testimony_.oldest, age);
-    testimony_.too_old += age > most_age_ ? 1U : 0U;
+    const Clock::time_point sent = *sent_[*number % kRemembered];
+    const Clock::time_point arrived = arrivals_.front().not_before;
+    testimony_.oldest = std::max(testimony_.oldest, arrived - sent);
+    const bool too_old =
+        arrived - sent > most_age_ && arrived - sent > most_age_ + stops_.within(sent, arrived);
+    testimony_.too_old += too_old ? 1U : 0U;
 }
 
 void Witness::begin_anew() {

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "tests/loopback/machine_stops.h"
 #include "tests/loopback/wire.h"
 #include "tests/reference/plain_sbus.h"
 
@@ -28,11 +29,15 @@ std::string to_text(const Testimony& testimony);
 
 /// Generates frames that can be told apart, and checks each frame that an SBUS output makes from
 /// them: was it ever sent, how old is it, is it marked? It reads with the plain reference codec.
-/// Ages are minimum ages: a busy machine makes them smaller, never larger.
+/// Ages are minimum ages: a busy witness makes them smaller, never larger. A machine that stops the
+/// program between its look at an input and its write makes them larger, by no more than the time
+/// of the stop, which is allowed.
 class Witness {
   public:
     /// `line` tells the lines of one program apart. An unmarked frame may be as old as `most_age`.
-    Witness(unsigned line, Clock::duration most_age) : line_(line), most_age_(most_age) {}
+    /// `stops` must outlive the witness.
+    Witness(unsigned line, Clock::duration most_age, MachineStops& stops)
+        : line_(line), most_age_(most_age), stops_(stops) {}
 
     /// Returns the next sixteen channels, each of which changes with each frame.
     Sticks next() { return sticks(next_); }
@@ -66,6 +71,7 @@ class Witness {
 
     unsigned line_;
     Clock::duration most_age_;
+    MachineStops& stops_;
     std::uint32_t next_ = 0;
     /// When the latest frames were sent; nothing for a damaged one.
     std::array<std::optional<Clock::time_point>, kRemembered> sent_{};

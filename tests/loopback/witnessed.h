@@ -24,7 +24,7 @@ class Witnessed : public Loopback {
         for (int i = 0; i < lines; ++i) {
             FarEnd& receiver = device(fmt::format("r{}", i));
             lines_.emplace_back(receiver, device(fmt::format("s{}", i)), static_cast<unsigned>(i),
-                                most_age);
+                                most_age, stops_);
             text += lines_.back().configuration(input, failsafe);
         }
         Program& program = run(write_config(text));
@@ -62,6 +62,7 @@ class Witnessed : public Loopback {
     }
     WitnessedLine& any_line() { return lines_[random_() % lines_.size()]; }
 
+    MachineStops stops_;
     std::deque<WitnessedLine> lines_;
     std::mt19937 random_{19};
 };

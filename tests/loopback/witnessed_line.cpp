@@ -7,12 +7,12 @@
 namespace tribus::test {
 
 WitnessedLine::WitnessedLine(FarEnd& receiver, FarEnd& servos, unsigned number,
-                             Clock::duration most_age)
+                             Clock::duration most_age, MachineStops& stops)
     : receiver_(receiver),
       servos_(servos),
       number_(number),
       ibus_(number % 2 == 0),
-      witness_(number, most_age),
+      witness_(number, most_age, stops),
       random_(number + 1),
       due_(Clock::now() + std::chrono::milliseconds(number)) {}
 

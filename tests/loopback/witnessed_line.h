@@ -19,7 +19,8 @@ class WitnessedLine {
     static constexpr std::chrono::milliseconds kOutputPeriod{7};
 
     /// An unmarked frame may be as old as `most_age`.
-    WitnessedLine(FarEnd& receiver, FarEnd& servos, unsigned number, Clock::duration most_age);
+    WitnessedLine(FarEnd& receiver, FarEnd& servos, unsigned number, Clock::duration most_age,
+                  MachineStops& stops);
 
     /// Configuration text: three tables with lines for the input and for failsafe.
     std::string configuration(std::string_view input, std::string_view failsafe) const;

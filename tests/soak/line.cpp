@@ -13,13 +13,18 @@ constexpr auto kPeriod = 7700us;
 /// The timeout plus one period of the output.
 constexpr auto kMostAge = 307ms;
 
+MachineStops& machine_stops() {
+    static MachineStops stops;
+    return stops;
+}
+
 }  // namespace
 
 SoakLine::SoakLine(const std::filesystem::path& folder, std::size_t number)
     : line_(number),
       receiver_(folder / fmt::format("receiver{}", number)),
       servos_(folder / fmt::format("servos{}", number)),
-      witness_(static_cast<unsigned>(number), kMostAge) {}
+      witness_(static_cast<unsigned>(number), kMostAge, machine_stops()) {}
 
 std::string SoakLine::configuration() const {
     return fmt::format(R"([input.receiver{0}]

@@ -50,6 +50,7 @@ bool polls(const std::string& line) {
 const std::set<std::string> kSubjectIsAThread{
     "tests/unit/config/language/depth_test.cpp",
     "tests/unit/pipelines/realtime/capture_ring_test.cpp",
+    "tests/unit/pipelines/realtime/change_ring_test.cpp",
     "tests/unit/pipelines/realtime/scheduling_test.cpp",
     "tests/unit/pipelines/realtime/snapshot_test.cpp",
     "tests/unit/transports/links/start_thread_test.cpp",

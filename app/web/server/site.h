@@ -134,6 +134,7 @@ class Site {
     Reply go_on_learning(const Asked& asked);
     Reply stop_learning(const Asked& asked);
     Reply status(const Asked& asked);
+    Reply changes(const Asked& asked);
     Reply histograms(const Asked& asked);
     Reply configuration(const Asked& asked);
     Reply schema(const Asked& asked);

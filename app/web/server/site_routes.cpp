@@ -25,6 +25,10 @@ bool is_content_of(const std::filesystem::path& file, const std::string& text) {
     return content && *content == text;
 }
 
+bool is_number(const std::string& text) {
+    return text.find_first_not_of("0123456789") == std::string::npos;
+}
+
 }  // namespace
 
 std::span<const Site::SiteRoute> Site::routes() {
@@ -41,6 +45,7 @@ std::span<const Site::SiteRoute> Site::routes() {
         SiteRoute{{"POST", "/api/learn/stop", changes}, &Site::stop_learning},
         SiteRoute{{"GET", "/api/*/stream", looks}, nullptr},
         SiteRoute{{"GET", "/api/*/status", looks}, &Site::status},
+        SiteRoute{{"GET", "/api/*/changes/*", looks}, &Site::changes},
         SiteRoute{{"GET", "/api/*/histograms", looks}, &Site::histograms},
         SiteRoute{{"GET", "/api/*/configuration", looks}, &Site::configuration},
         SiteRoute{{"GET", "/api/*/schema", looks}, &Site::schema},
@@ -115,8 +120,15 @@ Site::Reply Site::kept_file(const Asked& asked) {
     return kept_file_answer(settings_.state / "history" / asked.daemon.name, asked.name);
 }
 
+Site::Reply Site::changes(const Asked& asked) {
+    if (!is_number(asked.name)) {
+        return refused(404, "changes have numbers");
+    }
+    return ask(asked.daemon, fmt::format("changes {}", asked.name), asked.now, as_it_is);
+}
+
 Site::Reply Site::recording_state(const Asked& asked) {
-    if (asked.name.find_first_not_of("0123456789") != std::string::npos) {
+    if (!is_number(asked.name)) {
         return refused(404, "a recording that was asked for has a number");
     }
     return ask(asked.daemon, fmt::format("record {}", asked.name), asked.now, as_it_is);

@@ -239,17 +239,19 @@ TEST_F(ControlRequest, ThatChangesSomethingIsNoneOfTheSocketThatOnlyTells) {
             error("\"" + std::string(request) +
                   "\" is refused: this socket only tells, and what changes something goes to " +
                   (folder_ / "control") +
-                  "; allowed here: \"watch [PERIOD]\", \"configuration\", \"histograms\", "
+                  "; allowed here: \"watch [PERIOD]\", \"changes\", \"configuration\", "
+                  "\"histograms\", "
                   "\"metrics\", \"record\", \"recordings\", \"status\""));
     }
 }
 
 TEST_F(ControlRequest, ThatIsNoneGetsTheListOfAll) {
     start();
-    EXPECT_EQ(answer("stop"),
-              error("\"stop\" is not a request; allowed: \"watch [PERIOD]\", \"back\", "
-                    "\"configuration\", \"confirm\", \"draft\", \"histograms\", \"metrics\", "
-                    "\"record\", \"recordings\", \"reload\", \"status\""));
+    EXPECT_EQ(
+        answer("stop"),
+        error("\"stop\" is not a request; allowed: \"watch [PERIOD]\", \"back\", \"changes\", "
+              "\"configuration\", \"confirm\", \"draft\", \"histograms\", \"metrics\", "
+              "\"record\", \"recordings\", \"reload\", \"status\""));
 }
 
 }  // namespace

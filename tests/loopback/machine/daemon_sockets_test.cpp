@@ -16,9 +16,9 @@
 #include "config/show/effective.h"
 #include "pipelines/realtime/clock.h"
 #include "tests/loopback/machine/guest.h"
-#include "tests/loopback/machine/log_in_memory.h"
 #include "tests/loopback/machine/service_manager.h"
 #include "tests/support/far_end.h"
+#include "tests/support/log_in_memory.h"
 #include "tests/support/seen_within.h"
 #include "tests/support/temporary_folder.h"
 
@@ -64,6 +64,7 @@ class SocketsOfADaemon : public testing::Test {
     FarEnd servos_{folder_ / "servos"};
     LogInMemory logged_{"%v"};
     std::unique_ptr<Appliance> appliance_;
+    ChangeBook changes_;
     std::unique_ptr<DaemonSockets> sockets_;
 };
 
@@ -127,7 +128,7 @@ TEST_F(SocketsOfADaemon, AreNoneWhereThereIsNoPlace) {
     EXPECT_EQ(sockets_->descriptors(), std::vector<int>{});
     EXPECT_EQ(sockets_->due(), kNever);
     EXPECT_FALSE(sockets_->watched());
-    sockets_->show(*appliance_);
+    sockets_->show(*appliance_, changes_);
     sockets_->look();
     sockets_->serve(monotonic_now());
 }
@@ -140,7 +141,7 @@ TEST_F(SocketsOfADaemon, AreOneWhereThePlaceOfTheOtherIsTaken) {
                                   " exists and is not a socket; choose another --socket\n");
     EXPECT_EQ(sockets_->descriptors(), std::vector{sockets_->control()->descriptor()});
     appliance_ = appliance("servos");
-    sockets_->show(*appliance_);
+    sockets_->show(*appliance_, changes_);
     EXPECT_EQ(status()["type"], "status");
     EXPECT_EQ(sockets_->due(), sockets_->control()->due());
 }
@@ -148,7 +149,7 @@ TEST_F(SocketsOfADaemon, AreOneWhereThePlaceOfTheOtherIsTaken) {
 TEST_F(SocketsOfADaemon, AreDueAndWatchedIfOneOfThemIs) {
     open();
     appliance_ = appliance("servos");
-    sockets_->show(*appliance_);
+    sockets_->show(*appliance_, changes_);
     for (const char* socket : {"control", "look"}) {
         EXPECT_FALSE(sockets_->watched());
         Guest guest(folder_ / socket);
@@ -165,7 +166,7 @@ TEST_F(SocketsOfADaemon, AreDueAndWatchedIfOneOfThemIs) {
 TEST_F(SocketsOfADaemon, TellTheSame) {
     open();
     appliance_ = appliance("servos");
-    sockets_->show(*appliance_);
+    sockets_->show(*appliance_, changes_);
     for (const char* socket : {"control", "look"}) {
         for (const char* request : {"status", "metrics", "recordings", "histograms"}) {
             EXPECT_EQ(nlohmann::json::parse(answer(socket, request))["type"], request) << socket;
@@ -185,7 +186,7 @@ TEST_F(SocketsOfADaemon, TellOfTheRecorder) {
     open();
     appliance_ = appliance(
         "servos", "[recorder]\nmemory = 65536\ndirectory = \"" + (folder_ / "recordings") + "\"\n");
-    sockets_->show(*appliance_);
+    sockets_->show(*appliance_, changes_);
     EXPECT_EQ(nlohmann::json::parse(answer("look", "recordings"))["directory"],
               folder_ / "recordings");
     const auto recorded = nlohmann::json::parse(answer("control", "record"));
@@ -195,12 +196,12 @@ TEST_F(SocketsOfADaemon, TellOfTheRecorder) {
 TEST_F(SocketsOfADaemon, ShowWhatRunsNow) {
     open();
     appliance_ = appliance("servos");
-    sockets_->show(*appliance_);
+    sockets_->show(*appliance_, changes_);
     EXPECT_EQ(status()["outputs"][0]["name"], "servos");
     EXPECT_EQ(status()["fingerprint"], fingerprint(effective_toml(appliance_->configuration())));
     appliance_.reset();
     appliance_ = appliance("motors");
-    sockets_->show(*appliance_);
+    sockets_->show(*appliance_, changes_);
     EXPECT_EQ(status()["outputs"][0]["name"], "motors");
     EXPECT_EQ(status()["fingerprint"], fingerprint(effective_toml(appliance_->configuration())));
 }
@@ -208,7 +209,7 @@ TEST_F(SocketsOfADaemon, ShowWhatRunsNow) {
 TEST_F(SocketsOfADaemon, ShowTheTrial) {
     open();
     appliance_ = appliance("servos");
-    sockets_->show(*appliance_);
+    sockets_->show(*appliance_, changes_);
     EXPECT_TRUE(status()["trial"].is_null());
     EXPECT_TRUE(status()["trial_left_us"].is_null());
     sockets_->show_trial(ShownTrial{7, monotonic_now() + 100s});
@@ -224,7 +225,7 @@ TEST_F(SocketsOfADaemon, ShowTheTrial) {
 TEST_F(SocketsOfADaemon, CountFramesASecondWhileTheyLook) {
     open();
     appliance_ = appliance("servos");
-    sockets_->show(*appliance_);
+    sockets_->show(*appliance_, changes_);
     EXPECT_TRUE(seen_within([&] {
         sockets_->look();
         return status()["outputs"][0]["rate_hz"] > 0;
@@ -234,7 +235,7 @@ TEST_F(SocketsOfADaemon, CountFramesASecondWhileTheyLook) {
 TEST_F(SocketsOfADaemon, ServeNobodyWhereNothingRunsAnyMore) {
     open();
     appliance_ = appliance("servos");
-    sockets_->show(*appliance_);
+    sockets_->show(*appliance_, changes_);
     Guest control(folder_ / "control");
     Guest look(folder_ / "look");
     sockets_->serve(monotonic_now());

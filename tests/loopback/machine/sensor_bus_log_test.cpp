@@ -13,9 +13,9 @@
 
 #include "config/load.h"
 #include "pipelines/realtime/clock.h"
-#include "tests/loopback/machine/log_in_memory.h"
 #include "tests/support/far_end.h"
 #include "tests/support/ibus_checksum.h"
+#include "tests/support/log_in_memory.h"
 #include "tests/support/temporary_folder.h"
 
 /// What the log says of sensors that a receiver role asks at a pty.

@@ -15,11 +15,11 @@
 
 #include "config/load.h"
 #include "pipelines/realtime/clock.h"
-#include "tests/loopback/machine/log_in_memory.h"
 #include "tests/loopback/machine/service_manager.h"
 #include "tests/support/device_stand_in.h"
 #include "tests/support/far_end.h"
 #include "tests/support/ibus_frames.h"
+#include "tests/support/log_in_memory.h"
 #include "tests/support/seen_within.h"
 #include "tests/support/temporary_folder.h"
 

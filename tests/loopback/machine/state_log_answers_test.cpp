@@ -10,8 +10,9 @@
 
 #include "app/log/state_log.h"
 #include "config/load.h"
-#include "tests/loopback/machine/log_in_memory.h"
+#include "tests/loopback/machine/teller.h"
 #include "tests/support/far_end.h"
+#include "tests/support/log_in_memory.h"
 #include "tests/support/sbus_frames.h"
 #include "tests/support/seen_within.h"
 #include "tests/support/temporary_folder.h"
@@ -36,7 +37,7 @@ class StateLogOfAnAutopilot : public testing::Test {
             throw std::runtime_error(started.error().front());
         }
         appliance_ = std::move(*started);
-        log_ = std::make_unique<StateLog>(*appliance_, Instant(0s));
+        teller_ = std::make_unique<Teller>(*appliance_, Instant(0s));
     }
 
     void steer() {
@@ -78,7 +79,7 @@ class StateLogOfAnAutopilot : public testing::Test {
     }
     /// What the log says of the output's answers when it looks.
     std::string said() {
-        log_->look(*appliance_, appliance_->look_after_devices(Instant(1s)), Instant(1s));
+        teller_->look(*appliance_, Instant(1s));
         return logged_.take_lines(
             [](const std::string& line) { return line.find("answer") != std::string::npos; });
     }
@@ -102,7 +103,7 @@ class StateLogOfAnAutopilot : public testing::Test {
     FarEnd autopilot_{folder_ / "autopilot"};
     LogInMemory logged_{"%v"};
     std::unique_ptr<Appliance> appliance_;
-    std::unique_ptr<StateLog> log_;
+    std::unique_ptr<Teller> teller_;
 };
 
 TEST_F(StateLogOfAnAutopilot, SaysOnceThatTenAnswersShowNoEffect) {

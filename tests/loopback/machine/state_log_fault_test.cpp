@@ -10,9 +10,10 @@
 
 #include "app/log/state_log.h"
 #include "config/load.h"
-#include "tests/loopback/machine/log_in_memory.h"
+#include "tests/loopback/machine/teller.h"
 #include "tests/support/dbc_maps.h"
 #include "tests/support/far_end.h"
+#include "tests/support/log_in_memory.h"
 #include "tests/support/seen_within.h"
 #include "tests/support/temporary_folder.h"
 #include "transports/links/can/can_link.h"
@@ -88,7 +89,7 @@ class StateLogOfMessages : public testing::Test {
         configuration.inputs[0].port.medium = &kSocketBuses;
         configuration.inputs[0].port.device = std::to_string(interface_.get());
         appliance_ = Appliance::start(std::move(configuration)).value();
-        log_ = std::make_unique<StateLog>(*appliance_, Instant(0s));
+        teller_ = std::make_unique<Teller>(*appliance_, Instant(0s));
     }
     /// Sends the frame until the program reports this cause; then the log looks.
     void receive(const CanFrame& frame, LinkCause cause, Instant now) {
@@ -96,7 +97,7 @@ class StateLogOfMessages : public testing::Test {
             ::send(node_.get(), &frame, sizeof frame, 0);
             return appliance_->input_status(0).state.cause == cause;
         }));
-        log_->look(*appliance_, appliance_->look_after_devices(now), now);
+        teller_->look(*appliance_, now);
     }
     /// Returns the messages since the last call that begin with `of`.
     std::string said(std::string_view of) { return logged_.take_lines_of(of); }
@@ -108,7 +109,7 @@ class StateLogOfMessages : public testing::Test {
     UniqueFd interface_;
     LogInMemory logged_{"%v"};
     std::unique_ptr<Appliance> appliance_;
-    std::unique_ptr<StateLog> log_;
+    std::unique_ptr<Teller> teller_;
 };
 
 TEST_F(StateLogOfMessages, NamesTheSignalWithoutAValueInsteadOfTheReceiver) {

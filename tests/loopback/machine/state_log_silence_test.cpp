@@ -9,8 +9,9 @@
 
 #include "app/log/state_log.h"
 #include "config/load.h"
-#include "tests/loopback/machine/log_in_memory.h"
+#include "tests/loopback/machine/teller.h"
 #include "tests/support/far_end.h"
+#include "tests/support/log_in_memory.h"
 #include "tests/support/seen_within.h"
 #include "tests/support/temporary_folder.h"
 
@@ -33,11 +34,11 @@ class StateLogOfASilentInput : public testing::Test {
                                         Appliance::MissingDevices::wait_for_absent);
         ASSERT_TRUE(started) << started.error().front();
         appliance_ = std::move(*started);
-        log_ = std::make_unique<StateLog>(*appliance_, Instant(0s));
+        teller_ = std::make_unique<Teller>(*appliance_, Instant(0s));
     }
     /// Returns what the log says of the input when it looks.
     std::string said_at(Instant now) {
-        log_->look(*appliance_, appliance_->look_after_devices(now), now);
+        teller_->look(*appliance_, now);
         return logged_.take_lines_of("input receiver: ");
     }
     bool all_present() const { return appliance_->port_present(0) && appliance_->port_present(1); }
@@ -51,7 +52,7 @@ class StateLogOfASilentInput : public testing::Test {
 
   private:
     LogInMemory logged_{"%v"};
-    std::unique_ptr<StateLog> log_;
+    std::unique_ptr<Teller> teller_;
 };
 
 TEST_F(StateLogOfASilentInput, NamesWireAndDoctorForASerialLine) {

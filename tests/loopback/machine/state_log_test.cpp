@@ -16,8 +16,9 @@
 #include <gtest/gtest.h>
 
 #include "config/load.h"
-#include "tests/loopback/machine/log_in_memory.h"
+#include "tests/loopback/machine/teller.h"
 #include "tests/support/far_end.h"
+#include "tests/support/log_in_memory.h"
 #include "tests/support/sbus_frames.h"
 #include "tests/support/seen_within.h"
 #include "tests/support/temporary_folder.h"
@@ -48,7 +49,7 @@ class StateLogAtPtys : public testing::Test {
             throw std::runtime_error(started.error().front());
         }
         appliance_ = std::move(*started);
-        log_ = std::make_unique<StateLog>(*appliance_, Instant(0s));
+        teller_ = std::make_unique<Teller>(*appliance_, Instant(0s));
     }
 
     /// Sends the frame until the program reports this cause; then the log looks.
@@ -57,14 +58,14 @@ class StateLogAtPtys : public testing::Test {
             send(frame);
             return appliance_->input_status(0).state.cause == cause;
         }));
-        log_->look(*appliance_, appliance_->look_after_devices(now), now);
+        teller_->look(*appliance_, now);
     }
     void receive_until_control(Instant now) {
         ASSERT_TRUE(seen_within([&] {
             send(kGood);
             return appliance_->output_status(0).state.stage == OutputStage::control;
         }));
-        log_->look(*appliance_, appliance_->look_after_devices(now), now);
+        teller_->look(*appliance_, now);
     }
     /// Sends the frame among good ones until the program reports that it is not plausible; then the
     /// log looks.
@@ -75,7 +76,7 @@ class StateLogAtPtys : public testing::Test {
             const InputStatus status = appliance_->input_status(0);
             return status.implausible.frames > 0 && status.ever_good;
         }));
-        log_->look(*appliance_, appliance_->look_after_devices(now), now);
+        teller_->look(*appliance_, now);
     }
     void see_the_output_wait() {
         ASSERT_TRUE(seen_within(
@@ -94,21 +95,21 @@ class StateLogAtPtys : public testing::Test {
             }
             return status.state.stage == OutputStage::control && status.counts.busy_drops > before;
         }));
-        log_->look(*appliance_, appliance_->look_after_devices(now), now);
+        teller_->look(*appliance_, now);
     }
     void receive_until_failsafe(Instant now) {
         ASSERT_TRUE(seen_within([&] {
             send(radio_lost());
             return appliance_->output_status(0).state.stage == OutputStage::failsafe;
         }));
-        log_->look(*appliance_, appliance_->look_after_devices(now), now);
+        teller_->look(*appliance_, now);
     }
     void ask_sensors(Instant now) {
         ASSERT_TRUE(seen_within([&] {
             sensors_.send(kDiscover1);
             return appliance_->bus_state(0).sensor.requests > 0;
         }));
-        log_->look(*appliance_, appliance_->look_after_devices(now), now);
+        teller_->look(*appliance_, now);
     }
     void reload(Instant now, const std::string& input = "receiver",
                 const std::string& output_protocol = "ibus") {
@@ -118,9 +119,7 @@ class StateLogAtPtys : public testing::Test {
         appliance_ =
             Appliance::succeed(appliance_, Appliance::build(std::move(fresh)), carry_over, none)
                 .value();
-        auto log = std::make_unique<StateLog>(*appliance_, now);
-        log->go_on_from(*log_, *appliance_, carry_over);
-        log_ = std::move(log);
+        teller_->go_on_with(*appliance_, carry_over, now);
     }
     /// Returns the messages since the last call that begin with `of`. A worker of the kernel hands
     /// on what a pty has; while it is late, frames are dropped, which is another message.
@@ -134,7 +133,7 @@ class StateLogAtPtys : public testing::Test {
             [](const std::string& line) { return line.find(kDropped) != std::string::npos; });
     }
     std::string said_at(Instant now, std::string_view of) {
-        log_->look(*appliance_, appliance_->look_after_devices(now), now);
+        teller_->look(*appliance_, now);
         return said(of);
     }
     /// Lets the log look at 1 s repeatedly until it has messages, and returns them.
@@ -182,7 +181,7 @@ class StateLogAtPtys : public testing::Test {
 
     LogInMemory logged_{"%v"};
     std::unique_ptr<Appliance> appliance_;
-    std::unique_ptr<StateLog> log_;
+    std::unique_ptr<Teller> teller_;
 };
 
 class StateLogOverAReload : public StateLogAtPtys {};
@@ -205,6 +204,8 @@ TEST_F(StateLogAtPtys, SaysWithALossWhatAnOutputWaitsFor) {
     said(kServos);
     receive_until_failsafe(Instant(2s));
     EXPECT_EQ(said(kServos),
+              "output servos: holding the last values, unmarked: its protocol has no frame-lost "
+              "mark\n"
               "output servos: in failsafe; waits for receiver: radio lost (the receiver says "
               "failsafe)\n");
 }
@@ -339,12 +340,12 @@ TEST(StateLogOfADevice, SaysOnceThatItCameUnderASecondName) {
             .value(),
         Appliance::MissingDevices::wait_for_absent);
     ASSERT_TRUE(appliance) << appliance.error().front();
-    StateLog log(**appliance, Instant(0s));
-    log.look(**appliance, (*appliance)->look_after_devices(Instant(1s)), Instant(1s));
+    Teller teller(**appliance, Instant(0s));
+    teller.look(**appliance, Instant(1s));
     EXPECT_EQ(logged.text().find("under another name"), std::string::npos);
     std::filesystem::create_symlink(receiver.path(), servos);
     for (const auto second : {2s, 3s, 4s, 5s}) {
-        log.look(**appliance, (*appliance)->look_after_devices(Instant(second)), Instant(second));
+        teller.look(**appliance, Instant(second));
     }
     const std::string expected = "test.toml:6:10: " + servos +
                                  ": another program uses it, or this one opened it under another "

@@ -39,6 +39,8 @@ export class Board {
         { name: 'rover', state: 'running', file: '/etc/tribus/rover.toml' },
         { name: 'spare', state: 'absent', file: '/etc/tribus/spare.toml' },
     ];
+    /** What changed from status to status, by daemon. */
+    changes = {};
     /** Overrides fields of every status. */
     extra = {};
     files = {};
@@ -78,12 +80,29 @@ export class Board {
 
     status(name) {
         const trial = this.trialOf(name);
-        return statusOf(name, this.scenes[name] ?? 'good', performance.now() / 1000, {
+        const status = statusOf(name, this.scenes[name] ?? 'good', performance.now() / 1000, {
             trial: trial?.number ?? null,
             trial_left_us: trial ? Math.round((trial.until - performance.now()) * 1000) : null,
             fingerprint: this.tagOf(name),
             ...this.extra,
         });
+        return { ...status, changes: this.noteChanges(status).length };
+    }
+
+    noteChanges({ name, t_us, inputs, outputs }) {
+        const told = this.changes[name] ??= { words: {}, list: [] };
+        const look = (part, field, one) => {
+            const key = `${part} ${one.name}`;
+            const was = told.words[key] ?? one[field];
+            told.words[key] = one[field];
+            if (was !== one[field]) {
+                told.list.push({ type: 'change', number: told.list.length + 1, t_us, part,
+                    name: one.name, field, was, now: one[field] });
+            }
+        };
+        inputs.forEach((one) => look('input', 'cause', one));
+        outputs.forEach((one) => look('output', 'state', one));
+        return told.list;
     }
 
     trialOf(name) {

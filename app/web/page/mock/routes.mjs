@@ -11,6 +11,11 @@ const SVG = '<svg xmlns="http://www.w3.org/2000/svg" width="420" height="90" vie
 const GET = {
     status: (board, name, _, response) => answerJson(response, board.status(name)),
     stream,
+    changes(board, name, rest, response) {
+        const list = board.changes[name]?.list ?? [];
+        answerJson(response, { type: 'changes', newest: list.length, lost: 0,
+            changes: list.filter((one) => one.number > Number(rest)) });
+    },
     configuration(board, name, _, response) {
         answer(response, 200, 'text/plain', board.fileOf(name).text,
             { ETag: `"${board.tagOf(name)}"` });

@@ -42,17 +42,22 @@ test('timing: distributions are bars with words, of the last minute or of all', 
     });
 });
 
-test('timing: a time without news is a gap in the stripe', { timeout }, async () => {
+test('timing: what changed while the page heard nothing is told afterwards', { timeout }, async () => {
     await withPage({ at: '#/boat/timing' }, async ({ page, board }) => {
         await waitLive(page);
         await page.locator('.stripes').waitFor();
         assert.equal(await page.locator('.stripe').first().locator('span').count(), 1);
         board.sends = false;
-        await page.waitForTimeout(3600);
+        await page.waitForTimeout(1500);
+        board.scenes.boat = 'radio_lost';
+        board.status('boat');
+        await page.waitForTimeout(1200);
+        board.scenes.boat = 'good';
+        board.status('boat');
         board.sends = true;
         await waitLive(page);
-        await page.waitForTimeout(1500);
-        assert.equal(await page.locator('.stripe').first().locator('span').count(), 2);
+        await page.getByText(/radio lost for 1\.[2-9] s, until/).waitFor();
+        assert.equal(await page.locator('.stripe').first().locator('span').count(), 3);
     });
 });
 

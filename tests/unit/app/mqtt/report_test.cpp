@@ -20,7 +20,7 @@ constexpr std::int64_t kUnixTime = 1'795'725'913'250'000;
 constexpr Instant kNow{100s};
 
 Json status() {
-    return Json::parse(R"({"type":"status","version":1,"name":"servos",
+    return Json::parse(R"({"type":"status","version":1,"name":"servos","t_us":50000000,
         "unix_time_us":1795725913250000,"uptime_us":60000000,"figures_age_us":40000,
         "fingerprint":"f00d","trial":null,"trial_left_us":null,
         "inputs":[{"name":"receiver","state":"good","cause":"good","state_age_us":5000000,
@@ -32,14 +32,6 @@ Json status() {
                  {"name":"can0","kind":"can","present":true,"can":{"state":"ready"}}],
         "values":[{"name":"pack.voltage","number":12.25,"unit":"V","age_us":200000,
                    "stale":false}]})");
-}
-
-Lines texts(const std::vector<Event>& events) {
-    Lines all;
-    for (const Event& event : events) {
-        all.push_back(event.text);
-    }
-    return all;
 }
 
 TEST(MqttStatus, HasStatesCausesAndValuesWithTheirAges) {
@@ -78,7 +70,6 @@ TEST(MqttStatus, HasNoValuesThatNeverCameOrThatAreOfInputsAndOutputs) {
     more["values"].push_back({{"name", "pack.cells.1"}, {"age_us", nullptr}, {"stale", true}});
     more["values"].push_back({{"name", "input.receiver.age"}, {"number", 5}, {"age_us", 1}});
     EXPECT_EQ(Json::parse(status_payload(more))["values"].size(), 1U);
-    EXPECT_TRUE(changes(status(), more, kNow).empty());
 }
 
 TEST(MqttStatus, TellsNothingOfFiguresThatAreOlderThanASecond) {
@@ -99,71 +90,61 @@ TEST(MqttStatus, IsMadeOfAnyObject) {
                              R"({"figures_age_us":0,"inputs":[{"name":null}]})",
                              R"({"figures_age_us":-1e300,"unix_time_us":1e300})"}) {
         EXPECT_TRUE(Json::parse(status_payload(Json::parse(text))).is_object()) << text;
-        EXPECT_TRUE(changes(Json::parse(text), status(), kNow).size() <= 2) << text;
+        EXPECT_FALSE(event_of(Json::parse(text), status(), kNow)) << text;
     }
 }
 
-TEST(MqttEvents, AreNoneWhileNothingChanges) {
-    Json later_status = status();
-    later_status["unix_time_us"] = kUnixTime + 200'000;
-    later_status["uptime_us"] = 60'200'000;
-    later_status["inputs"][0]["rate_hz"] = 129;
-    EXPECT_TRUE(changes(status(), later_status, kNow).empty());
+/// As docs/status.md describes it.
+Json change() {
+    return Json::parse(R"json({"type":"change","number":7,"t_us":49850000,
+        "unix_time_us":1795725913100000,"part":"input","name":"receiver","field":"cause",
+        "was":"good","now":"wire_silent",
+        "text":"input receiver: wire silent (no bytes any more)"})json");
 }
 
-TEST(MqttEvents, HaveTheCauseOfALossAndTheTimeAtWhichItBegan) {
-    Json lost = status();
-    lost["inputs"][0]["cause"] = "wire_silent";
-    lost["inputs"][0]["state_age_us"] = 150'000;
-    lost["outputs"][0]["state"] = "hold";
-    const auto events = changes(status(), lost, kNow);
-    EXPECT_EQ(texts(events), (Lines{"input receiver: wire silent", "output servos: hold"}));
-    ASSERT_EQ(events.size(), 2U);
-    EXPECT_EQ(events[0].type, "input");
-    EXPECT_EQ(events[0].now, "wire_silent");
-    EXPECT_EQ(events[0].before, "good");
-    EXPECT_EQ(events[0].unix_time_us, kUnixTime - 150'000);
-    EXPECT_EQ(events[0].at, kNow - 150ms);
+TEST(MqttEvents, AreTheChangesOfTheDaemonWithItsTimeAndItsWords) {
+    const auto event = event_of(change(), status(), kNow);
+    ASSERT_TRUE(event);
+    EXPECT_EQ(event->type, "input");
+    EXPECT_EQ(event->name, "receiver");
+    EXPECT_EQ(event->now, "wire_silent");
+    EXPECT_EQ(event->before, "good");
+    EXPECT_EQ(event->text, "input receiver: wire silent (no bytes any more)");
+    EXPECT_EQ(event->unix_time_us, kUnixTime - 150'000);
+    EXPECT_EQ(event->at, kNow - 150ms);
 }
 
-TEST(MqttEvents, AreChangesOfOutputsDevicesBusesAndValues) {
-    const auto text_when = [](const auto& change) {
-        Json changed = status();
-        change(changed);
-        return texts(changes(status(), changed, kNow));
-    };
-    EXPECT_EQ(text_when([](Json& s) { s["outputs"][0]["input"] = "backup"; }),
-              (Lines{"output servos: under control of backup"}));
-    EXPECT_EQ(text_when([](Json& s) { s["outputs"][0]["state"] = "cannot_send"; }),
-              (Lines{"output servos: cannot send"}));
-    EXPECT_EQ(text_when([](Json& s) { s["ports"][0]["present"] = false; }),
-              (Lines{"device /dev/ttyAMA0: gone"}));
-    EXPECT_EQ(text_when([](Json& s) { s["ports"][1]["can"]["state"] = "bus_off"; }),
-              (Lines{"CAN interface can0: bus off"}));
-    EXPECT_EQ(text_when([](Json& s) { s["values"][0]["stale"] = true; }),
-              (Lines{"value pack.voltage: stale"}));
-    EXPECT_EQ(text_when([](Json& s) { s["inputs"].clear(); }), Lines{});
+TEST(MqttEvents, AreOfEveryPartThatTheDaemonTells) {
+    for (const char* part :
+         {"input", "output", "device", "bus", "node", "value", "configuration", "daemon"}) {
+        Json of_part = change();
+        of_part["part"] = part;
+        of_part["field"] = "state";
+        EXPECT_EQ(event_of(of_part, status(), kNow)->type, part);
+    }
+    Json unknown = change();
+    unknown["part"] = "else";
+    EXPECT_FALSE(event_of(unknown, status(), kNow));
 }
 
-TEST(MqttEvents, TellTrialsAndWhatBecameOfThem) {
-    Json other = status();
-    other["fingerprint"] = "beef";
-    EXPECT_EQ(texts(changes(status(), other, kNow)), (Lines{"configuration: changed"}));
-    Json trial = other;
-    trial["trial"] = 1;
-    EXPECT_EQ(texts(changes(status(), trial, kNow)), (Lines{"configuration: on trial"}));
-    EXPECT_EQ(texts(changes(trial, other, kNow)), (Lines{"configuration: kept"}));
-    EXPECT_EQ(texts(changes(trial, status(), kNow)), (Lines{"configuration: went back"}));
+TEST(MqttEvents, TellThatAnotherInputHasTakenOver) {
+    Json over = change();
+    over["part"] = "output";
+    over["field"] = "input";
+    over["was"] = "receiver";
+    over["now"] = "backup";
+    const auto event = event_of(over, status(), kNow);
+    EXPECT_EQ(event->now, "control");
+    EXPECT_EQ(event->before, "control");
 }
 
-TEST(MqttEvents, AreTheStartAloneForANewProcess) {
-    Json again = status();
-    again["uptime_us"] = 300'000;
-    again["inputs"][0]["cause"] = "never_seen";
-    again["outputs"][0]["state"] = "failsafe";
-    const auto events = changes(status(), again, kNow);
-    EXPECT_EQ(texts(events), (Lines{"started again"}));
-    EXPECT_EQ(events.at(0).unix_time_us, kUnixTime - 300'000);
+TEST(MqttEvents, HaveNoDetailsOfAState) {
+    for (const char* field : {"waits_for", "text"}) {
+        Json detail = change();
+        detail["part"] = "output";
+        detail["field"] = field;
+        EXPECT_FALSE(event_of(detail, status(), kNow)) << field;
+    }
 }
 
 TEST(MqttEvents, CarryTheirTimeTheirAgeAndWhetherTheyAreLate) {

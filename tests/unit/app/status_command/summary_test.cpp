@@ -24,7 +24,7 @@ constexpr std::string_view kStatus = R"({"type":"status","version":1,"name":"car
 "text":"implausible, channel 5 is at 2158 us"
 }],
 "outputs":[{"name":"servos","state":"control","obstacle":null,"input":"main",
-"failsafe_entries":3}],
+"text":"under control of main","failsafe_entries":3}],
 "ports":[{"name":"/dev/ttyUSB0","kind":"serial","present":false},
 {"name":"/dev/ttyAMA5","kind":"serial","present":true},
 {"name":"can0","kind":"can","present":true,"can":{"state":"bus_off","sent":7}}]
@@ -37,15 +37,6 @@ class Summary : public testing::Test {
         EXPECT_TRUE(found) << found.error();
         return found.value_or(ordered_json());
     }
-    std::vector<std::string> changed_by(const json& after) const {
-        std::vector<std::string> lines;
-        for (const auto& change :
-             status_summary::changes(told(), *status_summary::of_status(after))) {
-            lines.push_back(status_summary::line(change));
-        }
-        return lines;
-    }
-
     json status_ = json::parse(kStatus);
 };
 
@@ -62,7 +53,7 @@ TEST_F(Summary, TellsWhatAScriptAsksFor) {
               R"("text":"implausible, channel 5 is at 2158 us",)"
               R"("age_us":null,"times_lost":0}],)"
               R"("outputs":[{"name":"servos","state":"control","obstacle":null,"input":"main",)"
-              R"("waits_for":null,"failsafe_entries":3}],)"
+              R"("text":"under control of main","waits_for":null,"failsafe_entries":3}],)"
               R"("devices":[{"name":"/dev/ttyUSB0","state":"gone"},)"
               R"({"name":"/dev/ttyAMA5","state":"there"},{"name":"can0","state":"bus_off"}],)"
               R"("gone":["/dev/ttyUSB0"]})");
@@ -76,17 +67,18 @@ TEST_F(Summary, InWordsHasALineForEachPart) {
                      "trial 4: goes back in 25.00 s unless confirmed",
                      "input main: good, newest frame 3.0 ms old",
                      "input backup: implausible, channel 5 is at 2158 us, no frame yet",
-                     "output servos: control from main", "device /dev/ttyUSB0: gone",
+                     "output servos: under control of main", "device /dev/ttyUSB0: gone",
                      "device /dev/ttyAMA5: there", "device can0: bus_off"}));
 }
 
 TEST_F(Summary, SaysWhatAnOutputWaitsForWhileItsFiguresAreNew) {
     status_["outputs"][0]["state"] = "failsafe";
+    status_["outputs"][0]["text"] = "in failsafe";
     status_["outputs"][0]["input"] = nullptr;
     status_["outputs"][0]["waits_for"] = "main: good for 0.2 of 0.5 s";
     EXPECT_EQ(told()["outputs"][0]["waits_for"], "main: good for 0.2 of 0.5 s");
     EXPECT_EQ(status_summary::lines(told())[3],
-              "output servos: failsafe, waits for main: good for 0.2 of 0.5 s");
+              "output servos: in failsafe; waits for main: good for 0.2 of 0.5 s");
     status_["figures_age_us"] = 1'000'001;
     EXPECT_TRUE(told()["outputs"][0]["waits_for"].is_null());
 }
@@ -131,79 +123,45 @@ TEST_F(Summary, InWordsHasNoControlCharacters) {
     EXPECT_EQ(status_summary::lines(told())[1], "input ?[2Jmain?: good, newest frame 3.0 ms old");
 }
 
-TEST_F(Summary, ThatIsTheSameButLaterBringsNoChange) {
-    json after = status_;
-    after["t_us"] = 7'200'000;
-    after["uptime_us"] = 5'200'000;
-    after["inputs"][0]["age_us"] = 1;
-    EXPECT_EQ(changed_by(after), Lines{});
+/// As docs/status.md describes it.
+constexpr std::string_view kChange = R"({"type":"change","number":7,"t_us":6850000,
+"unix_time_us":1795727363611999,"part":"output","name":"servos","field":"state","was":"control",
+"now":"hold","text":"output servos: holding the last values, marked frame-lost","input":null,
+"later":"unknown"})";
+
+TEST(SummaryOfAChange, HasFixedFields) {
+    EXPECT_EQ(status_summary::of_change(json::parse(kChange)).dump(),
+              R"({"type":"change","number":7,"t_us":6850000,"unix_time_us":1795727363611999,)"
+              R"("part":"output","name":"servos","field":"state","was":"control","now":"hold",)"
+              R"("text":"output servos: holding the last values, marked frame-lost",)"
+              R"("input":null})");
 }
 
-TEST_F(Summary, EachChangeHasItsTimeAndWhatWasBefore) {
-    json after = status_;
-    after["unix_time_us"] = 1795727363611999;
-    after["inputs"][0]["cause"] = "wire_silent";
-    after["inputs"][0]["losses"]["wire_silent"] = 3U;
-    after["outputs"][0]["state"] = "failsafe";
-    after["outputs"][0]["input"] = nullptr;
-    after["outputs"][0]["failsafe_entries"] = 4U;
-    after["ports"][0]["present"] = true;
-    after["trial"] = 1U;
-    EXPECT_EQ(changed_by(after),
-              (Lines{"2026-11-26T21:09:23.611Z daemon car: trial 1, was none",
-                     "2026-11-26T21:09:23.611Z input main: cause wire_silent, was good",
-                     "2026-11-26T21:09:23.611Z output servos: state failsafe, was control",
-                     "2026-11-26T21:09:23.611Z output servos: input none, was main",
-                     "2026-11-26T21:09:23.611Z device /dev/ttyUSB0: state there, was gone"}));
+TEST(SummaryOfAChange, InWordsHasTheTimeTheSentenceAndWhatWasBefore) {
+    json change = json::parse(kChange);
+    const auto words = [&] { return status_summary::line(status_summary::of_change(change)); };
+    EXPECT_EQ(words(),
+              "2026-11-26T21:09:23.611Z output servos: holding the last values, marked frame-lost, "
+              "was control");
+    change["field"] = "waits_for";
+    change["text"] = "output servos: waits for main: \x1b[2Jgood";
+    EXPECT_EQ(words(), "2026-11-26T21:09:23.611Z output servos: waits for main: ?[2Jgood");
 }
 
-TEST_F(Summary, AChangeIsAnObjectWithFixedFields) {
-    json after = status_;
-    after["outputs"][0]["obstacle"] = "device";
-    const auto changes = status_summary::changes(told(), *status_summary::of_status(after));
-    ASSERT_EQ(changes.size(), 1U);
-    EXPECT_EQ(changes[0].dump(),
-              R"({"type":"change","t_us":7000000,"unix_time_us":1795727363411000,)"
-              R"("part":"output","name":"servos","field":"obstacle","was":null,"now":"device"})");
-}
-
-TEST_F(Summary, ALossBetweenTwoLooksShowsByItsCounter) {
-    json after = status_;
-    after["inputs"][0]["losses"]["garbled"] = 2U;
-    after["outputs"][0]["failsafe_entries"] = 4U;
-    EXPECT_EQ(changed_by(after),
-              (Lines{"2026-11-26T21:09:23.411Z input main: times_lost 4, was 3",
-                     "2026-11-26T21:09:23.411Z output servos: failsafe_entries 4, was 3"}));
-}
-
-TEST_F(Summary, PartsThatAReloadRemovesAndAddsAreChanges) {
-    json after = status_;
-    after["fingerprint"] = "00fe";
-    after["inputs"][1]["name"] = "third";
-    EXPECT_EQ(changed_by(after),
-              (Lines{"2026-11-26T21:09:23.411Z daemon car: fingerprint 00fe, was 00ff",
-                     "2026-11-26T21:09:23.411Z input backup: cause none, was implausible",
-                     "2026-11-26T21:09:23.411Z input third: cause implausible, was none"}));
-}
-
-TEST_F(Summary, FiguresThatGrowOldAreAChangeOfEverything) {
-    json after = status_;
-    after["figures_age_us"] = 3'000'000;
-    const auto lines = changed_by(after);
-    ASSERT_EQ(lines.size(), 8U);
-    EXPECT_EQ(lines[0], "2026-11-26T21:09:23.411Z daemon car: figures_old true, was false");
-    EXPECT_EQ(lines[3], "2026-11-26T21:09:23.411Z output servos: state unknown, was control");
-}
-
-TEST_F(Summary, ThatADaemonDoesNotAnswerHasAReason) {
-    const auto change =
-        status_summary::change_of_answers(told(), false, "it is gone", 5, 1'000'000);
-    EXPECT_EQ(status_summary::line(change),
-              "1970-01-01T00:00:01.000Z daemon car: answers false, was true (it is gone)");
+TEST_F(Summary, ThatADaemonDoesNotAnswerIsAChangeWithAReason) {
+    const auto line_at = [&](std::int64_t unix_time_us, const std::string& why) {
+        return status_summary::line(
+            status_summary::change_of_daemon(told(), {.field = "answers",
+                                                      .now = false,
+                                                      .text = "does not answer",
+                                                      .why = why,
+                                                      .t_us = 5,
+                                                      .unix_time_us = unix_time_us}));
+    };
+    EXPECT_EQ(line_at(1'000'000, "it is gone"),
+              "1970-01-01T00:00:01.000Z daemon car: does not answer: it is gone");
     for (const std::int64_t never : {std::int64_t{-1}, std::numeric_limits<std::int64_t>::max()}) {
-        EXPECT_EQ(
-            status_summary::line(status_summary::change_of_answers(told(), true, "", 5, never)),
-            "daemon car: answers true, was false");
+        EXPECT_EQ(line_at(never, ""), "daemon car: does not answer");
     }
 }
 

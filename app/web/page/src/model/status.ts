@@ -167,6 +167,7 @@ export interface Status {
     trial: number | null;
     fingerprint: string;
     figures_age_us: number | null;
+    changes: number;
     absences: number;
     missing_realtime: string[];
     inputs: Input[];

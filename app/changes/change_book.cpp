@@ -1,0 +1,375 @@
+#include "app/changes/change_book.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "app/state_text/cause_text.h"
+#include "app/state_text/part_text.h"
+#include "app/status/status.h"
+#include "config/build/dronecan.h"
+#include "core/counted.h"
+
+namespace tribus {
+namespace {
+
+std::string name_of_input(std::size_t input, std::span<const std::string> names) {
+    return input == kNoInput ? "" : names[input];
+}
+
+bool same_state(OutputState a, const OutputState& b) {
+    a.by_preset = b.by_preset;
+    return a == b;
+}
+
+/// Nothing more to do for the user.
+bool is_fine(const OutputState& state) {
+    return state.stage == OutputStage::control && state.outvoted == 0 &&
+           state.hearing != Hearing::silent && state.hearing != Hearing::unreadable;
+}
+
+Instant published_at(const Change& change, const Appliance& appliance) {
+    return change.part == Change::Part::input ? appliance.input_status(change.index).at
+                                              : appliance.output_status(change.index).at;
+}
+
+/// Values that tribus makes of its inputs and outputs are told with these.
+bool is_own(const std::string& name) {
+    return name.starts_with("input.") || name.starts_with("output.");
+}
+
+}  // namespace
+
+std::string line_of(const ToldChange& change) {
+    return fmt::format("{}{}{}: {}", change.kind, change.kind.empty() ? "" : " ", change.name,
+                       change.text);
+}
+
+void ChangeBook::take_names(const Appliance& appliance) {
+    const Configuration& configuration = appliance.configuration();
+    input_names_.clear();
+    for (const InputConfig& input : configuration.inputs) {
+        input_names_.push_back(input.name);
+    }
+    output_names_.clear();
+    inputs_of_.clear();
+    for (std::size_t i = 0; i < configuration.outputs.size(); ++i) {
+        output_names_.push_back(configuration.outputs[i].name);
+        const auto inputs = appliance.inputs_of(i);
+        inputs_of_.emplace_back(inputs.begin(), inputs.end());
+    }
+    nodes_.clear();
+    for (const NodePlan& plan : plan_nodes(configuration, {})) {
+        nodes_.emplace_back(plan.port.device, plan.settings.id);
+        dronecan::NodeReport first;
+        first.id = plan.settings.id;
+        if (plan.settings.dynamic) {
+            first.stage = dronecan::NodeStage::allocating;
+        }
+        words_.try_emplace({"node", plan.port.device}, node_word(first));
+    }
+    for (const Appliance::DeviceEvent& device : appliance.devices()) {
+        const bool told = !device.back && !appliance.waits_for().empty();
+        if (words_.try_emplace({"device", device.name}, told ? "gone" : "there").second && told) {
+            never_there_.insert(device.name);
+        }
+    }
+}
+
+void ChangeBook::begin(const Appliance& appliance, Instant now, Duration wall_now) {
+    words_.clear();
+    never_there_.clear();
+    taken_ = 0;
+    take_names(appliance);
+    outputs_.assign(output_names_.size(), {});
+    for (OutputMemory& memory : outputs_) {
+        memory.text = output_text({}, {});
+    }
+    add(appliance.devices(), now, wall_now);
+}
+
+void ChangeBook::go_on_with(const Appliance& appliance, const CarryOver& carry_over, Instant now,
+                            Duration wall_now) {
+    take(appliance.changes(), appliance.changes_before(), nullptr, {now, wall_now});
+    const std::vector<std::string> inputs_before = input_names_;
+    take_names(appliance);
+    std::vector<OutputMemory> outputs(output_names_.size());
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+        const CarriedFrom from = carry_over.engine.outputs[i].from;
+        outputs[i] = from ? outputs_[*from] : OutputMemory{.text = output_text({}, {})};
+    }
+    outputs_ = std::move(outputs);
+    for (std::size_t i = 0; i < input_names_.size(); ++i) {
+        if (const CarriedFrom from = carry_over.engine.inputs[i].from) {
+            tell_renamed(inputs_before[*from], input_names_[i], {now, wall_now});
+        }
+    }
+}
+
+/// The input in control has another name now.
+void ChangeBook::tell_renamed(const std::string& was, const std::string& name, Wall wall) {
+    for (std::size_t i = 0; was != name && i < outputs_.size(); ++i) {
+        if (outputs_[i].input != was) {
+            continue;
+        }
+        outputs_[i].input = name;
+        outputs_[i].text = output_text({.stage = OutputStage::control, .input = 0}, {&name, 1});
+        add({.at = wall.now,
+             .wall_time = wall.wall_now,
+             .part = "output",
+             .name = output_names_[i],
+             .field = "input",
+             .was = was,
+             .now = name,
+             .text = outputs_[i].text,
+             .state = "control",
+             .input = name,
+             .level = LogLevel::info,
+             .kind = "output"});
+    }
+}
+
+void ChangeBook::add(ToldChange change) {
+    change.number = ++newest_;
+    changes_.push_back(std::move(change));
+    if (changes_.size() > kChanges) {
+        changes_.pop_front();
+    }
+}
+
+/// Adds the change if its word is another one than before.
+void ChangeBook::note(ToldChange change, Wall wall) {
+    std::string& word = words_[{change.part, change.name}];
+    if (word == change.now) {
+        return;
+    }
+    change.was = std::exchange(word, change.now);
+    change.field = "state";
+    change.at = wall.now;
+    change.wall_time = wall.wall_now;
+    add(std::move(change));
+}
+
+void ChangeBook::add(std::span<const Appliance::DeviceEvent> events, Instant now,
+                     Duration wall_now) {
+    // A device that was gone and is back within one round is told as gone, too.
+    for (const Appliance::DeviceEvent& event : events) {
+        const bool first = event.back && never_there_.erase(event.name) > 0;
+        note({.part = "device",
+              .name = event.name,
+              .now = event.back ? "there" : "gone",
+              .text = !event.back ? "is gone; waiting for it"
+                      : first     ? "is there"
+                                  : "is back",
+              .level = event.back ? LogLevel::info : LogLevel::warning,
+              .kind = event.kind},
+             {now, wall_now});
+    }
+}
+
+void ChangeBook::look(const Appliance& appliance, Instant now, Duration wall_now) {
+    const Wall wall{now, wall_now};
+    take(appliance.changes(), appliance.changes().newest(), &appliance, wall);
+    look_at_waits(appliance, wall);
+    look_at_others(appliance, wall);
+}
+
+/// A change that is newer than the published figures of its part waits for the next ones, which say
+/// more of it.
+void ChangeBook::take(const ChangeRing& ring, std::uint64_t newest, const Appliance* appliance,
+                      Wall wall) {
+    std::uint64_t lost = 0;
+    for (; taken_ < newest; ++taken_) {
+        const auto change = ring.read(taken_ + 1);
+        if (!change) {
+            ++lost;
+            continue;
+        }
+        if (appliance != nullptr && change->at > published_at(*change, *appliance)) {
+            break;
+        }
+        if (lost > 0) {
+            add({.at = change->at,
+                 .wall_time = wall.at(change->at),
+                 .part = "daemon",
+                 .name = "changes",
+                 .field = "lost",
+                 .now = std::to_string(lost),
+                 .text = counted(lost, "change") + " of inputs and outputs came faster than they "
+                                                   "were read, and nobody is told of them"});
+            lost = 0;
+        }
+        change->part == Change::Part::input ? add_input(*change, appliance, wall)
+                                            : add_output(*change, appliance, wall);
+    }
+}
+
+void ChangeBook::add_input(const Change& change, const Appliance* appliance, Wall wall) {
+    const LinkState& link = change.now.link;
+    InputStatus status{};
+    if (appliance != nullptr && appliance->input_status(change.index).state.cause == link.cause) {
+        status = appliance->input_status(change.index);
+    }
+    add({.at = change.at,
+         .wall_time = wall.at(change.at),
+         .part = "input",
+         .name = input_names_[change.index],
+         .field = "cause",
+         .was = std::string(word_of(change.was.link.cause)),
+         .now = std::string(word_of(link.cause)),
+         .text = cause_text(link, status.implausible, status.fault.view()),
+         .state = word_of(link.cause),
+         .level = link.cause == LinkCause::good ? LogLevel::info : LogLevel::warning,
+         .kind = "input"});
+}
+
+/// Names of the outvoted inputs of an output.
+std::string ChangeBook::outvoted_names(std::size_t output, std::uint32_t outvoted) const {
+    std::string text;
+    for (std::size_t place = 0; place < inputs_of_[output].size(); ++place) {
+        if ((outvoted >> place & 1U) != 0) {
+            text += fmt::format("{}{}", text.empty() ? "" : ", ",
+                                input_names_[inputs_of_[output][place]]);
+        }
+    }
+    return text;
+}
+
+/// The newest state of an output is told with what it waits for.
+std::string ChangeBook::text_of(const Change& change, const Appliance* appliance) const {
+    const OutputState& state = change.now.output;
+    const OutputStatus status =
+        appliance == nullptr ? OutputStatus{} : appliance->output_status(change.index);
+    const OutputWait wait = same_state(status.state, state) ? status.wait : OutputWait{};
+    const bool agree_again = change.was.output.outvoted != 0 && state.outvoted == 0;
+    const std::string votes = state.outvoted != 0 ? "; outvoted by the others: " +
+                                                        outvoted_names(change.index, state.outvoted)
+                              : agree_again ? "; its inputs agree again"
+                                            : "";
+    return output_sentence(state, wait, input_names_) + votes;
+}
+
+void ChangeBook::add_output(const Change& change, const Appliance* appliance, Wall wall) {
+    const OutputState& state = change.now.output;
+    ToldChange told{
+        .at = change.at,
+        .wall_time = wall.at(change.at),
+        .part = "output",
+        .name = output_names_[change.index],
+        .field = "state",
+        .was = std::string(output_state_word(change.was.output.stage, change.was.sends)),
+        .now = std::string(output_state_word(state.stage, change.now.sends)),
+        .text = text_of(change, appliance),
+        .state = output_state_word(state.stage, change.now.sends),
+        .input = name_of_input(state.input, input_names_),
+        .level = is_fine(state) ? LogLevel::info : LogLevel::warning,
+        .kind = "output"};
+    OutputMemory& memory = outputs_[change.index];
+    memory.changed = true;
+    memory.waits = true;
+    const std::string text = std::exchange(memory.text, told.text);
+    memory.input = told.input;
+    if (told.was == told.now && change.was.output.input != state.input) {
+        told.field = "input";
+        told.was = name_of_input(change.was.output.input, input_names_);
+        told.now = told.input;
+    } else if (told.was == told.now) {
+        if (text == told.text) {
+            return;
+        }
+        told.field = "text";
+        told.was = text;
+        told.now = told.text;
+    }
+    add(std::move(told));
+}
+
+/// What an output waits for while its state stays the same.
+void ChangeBook::look_at_waits(const Appliance& appliance, Wall wall) {
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+        OutputMemory& memory = outputs_[i];
+        if (!memory.waits) {
+            continue;
+        }
+        const OutputStatus status = appliance.output_status(i);
+        memory.waits = status.state.stage == OutputStage::failsafe ||
+                       status.state.stage == OutputStage::holding;
+        const bool changed = std::exchange(memory.changed, false);
+        const std::string& key =
+            memory.wait.look(wait_key(status.wait, input_names_), changed, wall.now);
+        if (key == memory.wait_key) {
+            continue;
+        }
+        memory.wait_key = key;
+        const std::string was =
+            std::exchange(memory.waits_for, wait_text(status.state, status.wait, input_names_));
+        if (!changed && !key.empty()) {
+            memory.text = "waits for " + memory.waits_for;
+            add({.at = wall.now,
+                 .wall_time = wall.wall_now,
+                 .part = "output",
+                 .name = output_names_[i],
+                 .field = "waits_for",
+                 .was = was,
+                 .now = memory.waits_for,
+                 .text = memory.text,
+                 .state = output_state_word(status.state.stage, status.sends),
+                 .level = LogLevel::warning,
+                 .kind = "output"});
+        }
+    }
+}
+
+void ChangeBook::look_at_others(const Appliance& appliance, Wall wall) {
+    for (std::size_t port = 0; port < appliance.ports().size(); ++port) {
+        const PortConfig& config = appliance.ports()[port].config;
+        if (config.medium->shape != WireShape::can_frames || !appliance.port_present(port)) {
+            continue;
+        }
+        const CanBusState state = appliance.can_status(port).state;
+        words_.try_emplace({"bus", config.device}, kCanStateWords.front());
+        note({.part = "bus",
+              .name = config.device,
+              .now = std::string(kCanStateWords[static_cast<std::size_t>(state)]),
+              .text = can_bus_text(state, config.device),
+              .level = state == CanBusState::ready ? LogLevel::info : LogLevel::warning,
+              .kind = "interface"},
+             wall);
+    }
+    for (std::size_t node = 0; node < nodes_.size(); ++node) {
+        const dronecan::NodeReport report = appliance.node_report(node);
+        note({.part = "node",
+              .name = nodes_[node].first,
+              .now = node_word(report),
+              .text = node_text(report, nodes_[node].second),
+              .level = report.stage == dronecan::NodeStage::online     ? LogLevel::info
+                       : report.stage == dronecan::NodeStage::conflict ? LogLevel::error
+                                                                       : LogLevel::warning},
+             wall);
+    }
+    for (std::size_t value = 0; value < appliance.value_count(); ++value) {
+        const ValueReport report{appliance.value(value), appliance.value_status(value)};
+        if (!report.status.ever || is_own(report.value.name)) {
+            continue;
+        }
+        const std::string word = is_fresh(report, wall.now) ? "fresh" : "stale";
+        words_.try_emplace({"value", report.value.name}, word);
+        note({.part = "value",
+              .name = report.value.name,
+              .now = word,
+              .text = "is " + word,
+              .kind = "value"},
+             wall);
+    }
+}
+
+std::vector<ToldChange> ChangeBook::since(std::uint64_t number, std::size_t most) const {
+    const std::uint64_t first = std::max(number + 1, oldest());
+    std::vector<ToldChange> found;
+    for (std::uint64_t next = first; next <= newest_ && found.size() < most; ++next) {
+        found.push_back(changes_[next - oldest()]);
+    }
+    return found;
+}
+
+}  // namespace tribus

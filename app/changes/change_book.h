@@ -1,0 +1,96 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "app/appliance/appliance.h"
+#include "app/changes/told_change.h"
+#include "app/state_text/wait_text.h"
+#include "config/build/carry_over.h"
+#include "core/time.h"
+
+namespace tribus {
+
+/// The latest changes of state of all parts, each once and with its sentence: log, sockets and
+/// recorder read them by their number. Changes of inputs and outputs are those that the data thread
+/// wrote at their moment; the other parts are looked at by `look`. Thread-bound to the main thread.
+class ChangeBook {
+  public:
+    /// So many are kept.
+    static constexpr std::size_t kChanges = 1024;
+
+    /// From now on it follows `appliance`, which has just started. What the start itself told of
+    /// missing devices is no change.
+    void begin(const Appliance& appliance, Instant now, Duration wall_now);
+    /// The same for an appliance that replaced the one before between two frames.
+    void go_on_with(const Appliance& appliance, const CarryOver& carry_over, Instant now,
+                    Duration wall_now);
+
+    /// Takes the changes since the last call. Call it a few times a second, and before somebody is
+    /// told the newest number.
+    void look(const Appliance& appliance, Instant now, Duration wall_now);
+    /// Takes changes of devices.
+    void add(std::span<const Appliance::DeviceEvent> events, Instant now, Duration wall_now);
+    /// Gives the change its number.
+    void add(ToldChange change);
+
+    /// Number of the newest change. 0: there was none.
+    std::uint64_t newest() const { return newest_; }
+    /// Number of the oldest one that is kept, or of the next one.
+    std::uint64_t oldest() const { return newest_ - changes_.size() + 1; }
+    /// At most `most` changes after that number, the oldest first.
+    std::vector<ToldChange> since(std::uint64_t number, std::size_t most = kChanges) const;
+
+  private:
+    struct OutputMemory {
+        WaitWatch wait{};
+        std::string wait_key{};
+        std::string waits_for{};
+        std::string text{};
+        std::string input{};   ///< in control
+        bool changed = false;  ///< since the last look at what it waits for
+        bool waits = true;     ///< it may wait for something
+    };
+    struct Wall {
+        Instant now;
+        Duration wall_now;
+
+        Duration at(Instant instant) const { return wall_now - (now - instant); }
+    };
+
+    void take_names(const Appliance& appliance);
+    void take(const ChangeRing& ring, std::uint64_t newest, const Appliance* appliance, Wall wall);
+    void add_input(const Change& change, const Appliance* appliance, Wall wall);
+    void add_output(const Change& change, const Appliance* appliance, Wall wall);
+    void look_at_waits(const Appliance& appliance, Wall wall);
+    void look_at_others(const Appliance& appliance, Wall wall);
+    std::string text_of(const Change& change, const Appliance* appliance) const;
+    std::string outvoted_names(std::size_t output, std::uint32_t outvoted) const;
+    void tell_renamed(const std::string& was, const std::string& name, Wall wall);
+    void note(ToldChange change, Wall wall);
+
+    std::vector<std::string> input_names_;
+    std::vector<std::string> output_names_;
+    /// Indices of the inputs of each output.
+    std::vector<std::vector<std::size_t>> inputs_of_;
+    std::vector<OutputMemory> outputs_;
+    /// Interface and configured id of each DroneCAN node.
+    std::vector<std::pair<std::string, int>> nodes_;
+    /// The latest word of each part that is no input and no output.
+    std::map<std::pair<std::string_view, std::string>, std::string> words_;
+    /// Names of devices that have not been there yet.
+    std::set<std::string> never_there_;
+    std::uint64_t taken_ = 0;  ///< number of the newest change taken from the data thread
+    std::uint64_t newest_ = 0;
+    std::deque<ToldChange> changes_;
+};
+
+}  // namespace tribus

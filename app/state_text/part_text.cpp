@@ -1,0 +1,49 @@
+#include "app/state_text/part_text.h"
+
+#include <fmt/format.h>
+
+namespace tribus {
+
+std::string can_bus_text(CanBusState state, const std::string& name) {
+    switch (state) {
+        case CanBusState::ready:
+            return "works";
+        case CanBusState::warning:
+            return "many errors on the bus; check bit rate, termination and wiring";
+        case CanBusState::passive:
+            return "error-passive: few frames get through; check bit rate, termination and wiring";
+        case CanBusState::stalled:
+            return "frames are not sent: no other node acknowledges them, or the bus is full; old "
+                   "frames will not be sent later";
+        case CanBusState::bus_off:
+            return "bus-off: the controller left the bus after too many errors; check bit rate, "
+                   "termination and wiring";
+        case CanBusState::down:
+            return fmt::format("is down; `ip link set {} up` brings it up", name);
+    }
+    return "";
+}
+
+std::string node_word(const dronecan::NodeReport& report) {
+    const bool online = report.stage == dronecan::NodeStage::online;
+    return std::string(kNodeStageWords[static_cast<std::size_t>(report.stage)]) +
+           (online ? fmt::format(" {}", report.id) : "");
+}
+
+std::string node_text(const dronecan::NodeReport& report, int wanted) {
+    switch (report.stage) {
+        case dronecan::NodeStage::online:
+            return fmt::format("this program is DroneCAN node {}", report.id);
+        case dronecan::NodeStage::conflict:
+            return fmt::format(
+                "another DroneCAN node has the id {} too; nothing is sent until it has been silent "
+                "for 5 s; give one of the two another node_id",
+                wanted);
+        case dronecan::NodeStage::allocating:
+            break;
+    }
+    return "another DroneCAN node has the same id; nothing is sent until an allocator assigns "
+           "another one";
+}
+
+}  // namespace tribus

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+
+#include "pipelines/dronecan/node.h"
+#include "transports/links/can/can_link.h"
+
+namespace tribus {
+
+/// The state of a CAN interface in words: "works".
+std::string can_bus_text(CanBusState state, const std::string& name);
+
+/// Words for `NodeStage`, in its order.
+inline constexpr std::array<std::string_view, 3> kNodeStageWords{"allocating", "online",
+                                                                 "conflict"};
+/// The state of a DroneCAN node of this program in a word, with its id if it has one: "online 42".
+std::string node_word(const dronecan::NodeReport& report);
+/// The same in words. `wanted`: the id that it is configured with.
+std::string node_text(const dronecan::NodeReport& report, int wanted);
+
+}  // namespace tribus
