@@ -158,9 +158,9 @@ void ChangeBook::add(std::span<const Appliance::DeviceEvent> events, Instant now
         note({.part = "device",
               .name = event.name,
               .now = event.back ? "there" : "gone",
-              .text = !event.back ? "is gone; waiting for it"
-                      : first     ? "is there"
-                                  : "is back",
+              .text = std::string(!event.back ? kGoneText
+                                  : first     ? "is there"
+                                              : "is back"),
               .level = event.back ? LogLevel::info : LogLevel::warning,
               .kind = event.kind},
              {now, wall_now});

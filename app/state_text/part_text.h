@@ -9,6 +9,9 @@
 
 namespace tribus {
 
+/// The state of a device, interface or GPIO line that is missing.
+inline constexpr std::string_view kGoneText = "is gone; waiting for it";
+
 /// The state of a CAN interface in words: "works".
 std::string can_bus_text(CanBusState state, const std::string& name);
 

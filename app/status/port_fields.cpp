@@ -83,6 +83,12 @@ namespace {
 using namespace field_values;
 
 constexpr std::array<std::string_view, 2> kKinds{"serial", "can"};
+OrderedJson text(const StatusPart& part) {
+    const PortReport& port = of<PortReport>(part);
+    return !port.present ? OrderedJson(kGoneText)
+           : port.can    ? OrderedJson(can_bus_text(port.can->state, port.name))
+                         : OrderedJson("is there");
+}
 OrderedJson can(const StatusPart& part) {
     return of<PortReport>(part).can ? fields_json(can_fields::kKind.fields, part)
                                     : OrderedJson(OrderedJson::value_t::discarded);
@@ -100,6 +106,7 @@ constexpr StatusField kFields[]{
      "the device or interface is there",
      member<&PortReport::present>,
      {.metric = "present", .fleet = "present"}},
+    {"text", FieldKind::text, "its state as the log says it", text},
     {"can",
      FieldKind::other,
      "of a CAN interface: see below",
@@ -125,6 +132,14 @@ namespace {
 
 using namespace field_values;
 
+OrderedJson text(const StatusPart& part) {
+    const LineReport& line = of<LineReport>(part);
+    return !line.present  ? kGoneText
+           : !line.active ? "is there"
+           : *line.active ? "is active"
+                          : "is not active";
+}
+
 constexpr StatusField kFields[]{
     {"name", FieldKind::text, "as configured", member<&LineConfig::name>},
     {"line", FieldKind::text, "as configured",
@@ -134,6 +149,7 @@ constexpr StatusField kFields[]{
      "its chip is there",
      member<&LineReport::present>,
      {.metric = "present"}},
+    {"text", FieldKind::text, "its state in words", text},
     {"role",
      FieldKind::word,
      "as configured",
@@ -167,6 +183,9 @@ using namespace field_values;
 OrderedJson state(const StatusPart& part) {
     return kNodeStageWords[static_cast<std::size_t>(of<NodeStatus>(part).report.stage)];
 }
+OrderedJson text(const StatusPart& part) {
+    return node_text(of<NodeStatus>(part).report, of<NodeStatus>(part).wanted);
+}
 OrderedJson id(const StatusPart& part) {
     const dronecan::NodeId id = of<NodeStatus>(part).report.id;
     return id == dronecan::kNobody ? OrderedJson() : OrderedJson(id);
@@ -179,6 +198,7 @@ constexpr StatusField kFields[]{
      "`allocating`: it waits for an id; `conflict`: another node has its id, so it is silent",
      state,
      {.words = kNodeStageWords, .metric = "state"}},
+    {"text", FieldKind::text, "its state as the log says it", text},
     {"id", FieldKind::amount, "its node id", id, {.may_be_null = true}},
     {"sent", FieldKind::counter, "own transfers", member<&dronecan::NodeCounts::sent>},
     {"received", FieldKind::counter, "transfers addressed to it, and allocation messages",

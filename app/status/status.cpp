@@ -32,7 +32,7 @@ StatusKeeper::StatusKeeper(const Appliance& appliance, Instant started)
       inputs_(appliance.configuration().inputs.size()),
       outputs_(appliance.configuration().outputs.size()) {
     for (const NodePlan& plan : plan_nodes(appliance.configuration(), {})) {
-        nodes_.push_back(plan.port.device);
+        nodes_.emplace_back(plan.port.device, plan.settings.id);
     }
     look(appliance);
 }
@@ -129,7 +129,7 @@ StatusReport StatusKeeper::report(const Appliance& appliance, Instant now,
         report.sensor_buses.push_back(appliance.bus_state(i));
     }
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
-        report.nodes.push_back({nodes_[i], appliance.node_report(i)});
+        report.nodes.push_back({nodes_[i].first, nodes_[i].second, appliance.node_report(i)});
     }
     for (std::size_t i = 0; i < appliance.value_count(); ++i) {
         report.values.push_back({appliance.value(i), appliance.value_status(i)});

@@ -45,6 +45,7 @@ struct PortReport {
 
 struct NodeStatus {
     std::string interface;
+    dronecan::NodeId wanted = dronecan::kNobody;  ///< as configured
     dronecan::NodeReport report;
 };
 
@@ -129,8 +130,8 @@ class StatusKeeper {
     Instant started_;
     std::vector<RateWindow> inputs_;
     std::vector<RateWindow> outputs_;
-    /// CAN interfaces of the DroneCAN nodes.
-    std::vector<std::string> nodes_;
+    /// CAN interfaces of the DroneCAN nodes, and their configured ids.
+    std::vector<std::pair<std::string, dronecan::NodeId>> nodes_;
 };
 
 }  // namespace tribus

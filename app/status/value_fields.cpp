@@ -1,6 +1,8 @@
 #include <cstddef>
 #include <string_view>
 
+#include <fmt/format.h>
+
 #include "app/status/field_tables.h"
 #include "app/status/field_values.h"
 
@@ -16,6 +18,15 @@ OrderedJson number(const StatusPart& part) {
 OrderedJson number_age(const StatusPart& part) {
     return of<ValueReport>(part).status.ever ? age(of<ValueReport>(part).status.at, part.report.now)
                                              : OrderedJson();
+}
+OrderedJson text(const StatusPart& part) {
+    const ValueReport& value = of<ValueReport>(part);
+    if (!value.status.ever) {
+        return "never came";
+    }
+    return fmt::format("{}{:.6g} {}",
+                       is_fresh(value, part.report.now) ? "" : "stale: ", value.status.number,
+                       value.value.unit);
 }
 OrderedJson stale(const StatusPart& part) {
     return !is_fresh(of<ValueReport>(part), part.report.now);
@@ -34,6 +45,7 @@ constexpr StatusField kFields[]{
      "time since its source last gave it; `null`: it never did",
      number_age,
      {.may_be_null = true, .fleet = "age_s"}},
+    {"text", FieldKind::text, "the number with its unit, or that it is stale", text},
     {"stale", FieldKind::flag, "its number says nothing about now", stale},
 };
 

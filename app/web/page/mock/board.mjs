@@ -100,8 +100,8 @@ export class Board {
                     name: one.name, field, was, now: one[field] });
             }
         };
-        inputs.forEach((one) => look('input', 'cause', one));
-        outputs.forEach((one) => look('output', 'state', one));
+        inputs?.forEach((one) => look('input', 'cause', one));
+        outputs?.forEach((one) => look('output', 'state', one));
         return told.list;
     }
 

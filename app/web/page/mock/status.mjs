@@ -111,7 +111,8 @@ const CHANGES = {
     cannot_send_device(status) {
         all(status, { ...failsafe, state: 'cannot_send', text: 'cannot send: its device is gone',
             obstacle: 'device', rate_hz: 0 });
-        status.ports.find((port) => port.name === status.outputs[0].port).present = false;
+        Object.assign(status.ports.find((port) => port.name === status.outputs[0].port),
+            { present: false, text: 'is gone; waiting for it' });
     },
     cannot_send_bus: (status) => all(status, { ...failsafe, state: 'cannot_send',
         text: 'cannot send: the bus takes nothing', obstacle: 'bus', rate_hz: 0 }),
@@ -143,8 +144,8 @@ function boat(seconds) {
         outputs: [output('servos', 'sbus', '/dev/ttyAMA3', ['receiver'], receiver)],
         pipelines: [{ name: 'main', from: ['receiver'], to: ['servos'] }],
         ports: [
-            { name: '/dev/ttyAMA5', kind: 'serial', present: true },
-            { name: '/dev/ttyAMA3', kind: 'serial', present: true },
+            { name: '/dev/ttyAMA5', kind: 'serial', present: true, text: 'is there' },
+            { name: '/dev/ttyAMA3', kind: 'serial', present: true, text: 'is there' },
         ],
         lines: [], sensor_buses: [], dronecan: [], values: [], missing_realtime: [],
     };
@@ -168,22 +169,25 @@ function rover(seconds) {
         pipelines: [{ name: 'main', from: names, to: ['servos', 'bus'] }],
         ports: [
             ...[2, 3, 4, 5].map((n) =>
-                ({ name: `/dev/ttyAMA${n}`, kind: 'serial', present: true })),
-            { name: 'can0', kind: 'can', present: true, can },
+                ({ name: `/dev/ttyAMA${n}`, kind: 'serial', present: true, text: 'is there' })),
+            { name: 'can0', kind: 'can', present: true, text: 'works', can },
             { name: 'can1', kind: 'can', present: true,
                 can: { ...can, state: 'bus_off', bus_offs: 3, error_frames: 99 } },
         ],
-        lines: [{ name: 'stop', line: 'GPIO5', present: true },
-            { name: 'lamp', line: 'gpiochip0 7', present: false }],
+        lines: [{ name: 'stop', line: 'GPIO5', present: true, role: 'force_failsafe', active: false,
+            text: 'is not active' },
+            { name: 'lamp', line: 'gpiochip0 7', present: false, role: 'link', active: null,
+                text: 'is gone; waiting for it' }],
         sensor_buses: [{ name: 'telemetry', port: '/dev/ttyAMA4', role: 'receiver', collisions: 0,
             found: [{ address: 1, type: 'external_voltage', type_id: 3, bytes: 2 }],
             counts: { requests: 900, replies: 880, misses: 20, wrong: 0 } }],
-        dronecan: [{ interface: 'can0', state: 'online', id: 42, sent: 1, received: 1, errors: 0,
+        dronecan: [{ interface: 'can0', state: 'online', id: 42, text: 'this program is DroneCAN node 42', sent: 1, received: 1, errors: 0,
             requests: 1, dropped: 0, conflicts: 0 }],
         values: [
-            { name: 'battery', number: 15.2, unit: 'V', age_us: 104_000, stale: false },
+            { name: 'battery', number: 15.2, unit: 'V', age_us: 104_000, stale: false,
+                text: '15.2 V' },
             { name: 'motor_temperature', number: 61.4, unit: 'degC', age_us: 12_400_000,
-                stale: true },
+                stale: true, text: 'stale: 61.4 degC' },
         ],
         missing_realtime: ['memory is not locked: no permission'],
     };

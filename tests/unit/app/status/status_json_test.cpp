@@ -71,8 +71,10 @@ TEST_F(StatusJson, IsOneLine) {
 
 TEST_F(StatusJson, SaysWhatEachLineIsForAndWhetherItIsActive) {
     EXPECT_EQ(told()["lines"], json::parse(R"([
-        {"name":"stop","line":"GPIO5","present":true,"role":"force_failsafe","active":true},
-        {"name":"lamp","line":"GPIO17","present":true,"role":"link","active":null}])"));
+        {"name":"stop","line":"GPIO5","present":true,"text":"is active","role":"force_failsafe",
+         "active":true},
+        {"name":"lamp","line":"GPIO17","present":true,"text":"is there","role":"link",
+         "active":null}])"));
 }
 
 TEST_F(StatusJson, SaysWhoAndWhen) {
@@ -196,11 +198,16 @@ TEST_F(StatusJson, TellsFailsafeThatIsSaidFromFailsafeThatIsSilence) {
 
 TEST_F(StatusJson, TellsWhichPortIsGoneAndTheStateOfABus) {
     const json ports = told()["ports"];
-    EXPECT_EQ(ports[0].dump(), R"({"kind":"serial","name":"/dev/ttyAMA5","present":true})");
+    EXPECT_EQ(ports[0].dump(),
+              R"({"kind":"serial","name":"/dev/ttyAMA5","present":true,"text":"is there"})");
     EXPECT_EQ(ports[1]["present"], false);
+    EXPECT_EQ(ports[1]["text"], "is gone; waiting for it");
     EXPECT_EQ(ports[1]["can"]["state"], "gone") << "whatever it was before";
     report_.ports[1].present = true;
     EXPECT_EQ(told()["ports"][1]["can"]["state"], "bus_off");
+    EXPECT_EQ(told()["ports"][1]["text"],
+              "bus-off: the controller left the bus after too many errors; check bit rate, "
+              "termination and wiring");
 }
 
 TEST_F(StatusJson, AnOutputThatCannotSendSaysSoAndWhyAndNothingOfControl) {
@@ -244,10 +251,12 @@ TEST_F(StatusJson, AValueGrowsStaleAndKeepsItsNumber) {
     const Instant then = kNow - std::chrono::seconds(1);
     report_.values = {{value, {.number = 12.5, .at = then, .ever = true, .available = true}}};
     EXPECT_EQ(told()["values"][0].dump(),
-              R"({"age_us":1000000,"name":"pack.voltage","number":12.5,"stale":false,"unit":"V"})");
+              R"({"age_us":1000000,"name":"pack.voltage","number":12.5,"stale":false,)"
+              R"("text":"12.5 V","unit":"V"})");
     report_.now += Duration(1);
     EXPECT_EQ(told()["values"][0]["stale"], true);
     EXPECT_EQ(told()["values"][0]["number"], 12.5);
+    EXPECT_EQ(told()["values"][0]["text"], "stale: 12.5 V");
 }
 
 TEST_F(StatusJson, AValueThatIsNoNumberIsNull) {

@@ -1,14 +1,9 @@
 // What a person must look at besides the outputs themselves, in words.
-import type { Port, Status } from '../model/status';
-import { duration, inputText, words } from '../model/words';
+import type { Port, Status, Value } from '../model/status';
+import { duration, inputText } from '../model/words';
 
-function portProblem(port: Port): string {
-    if (!port.present) {
-        return `${port.name}: is gone; waiting for it`;
-    }
-    const state = port.can?.state ?? 'ready';
-    return state === 'ready' ? '' : `CAN ${port.name}: ${words(state)}`;
-}
+const isFine = (port: Port): boolean =>
+    port.present && (port.can == null || port.can.state === 'ready');
 
 /** Inputs that are not good, except those that the sentence of an output names already. */
 function inputProblems(status: Status): string[] {
@@ -20,21 +15,21 @@ function inputProblems(status: Status): string[] {
         .map((input) => `${input.name}: ${inputText(input)}`);
 }
 
-function valueProblems(status: Status): string[] {
-    return status.values.filter((value) => value.stale).map((value) => value.age_us === null
-        ? `${value.name}: never seen`
-        : `${value.name}: stale, ${duration(value.age_us)} old`);
+function valueText(value: Value): string {
+    const age = value.age_us === null ? '' : `, ${duration(value.age_us)} old`;
+    return `${value.name}: ${value.text}${age}`;
 }
 
 export function attention(status: Status): string[] {
     return [
         ...inputProblems(status),
-        ...status.ports.map(portProblem),
+        ...status.ports.filter((port) => !isFine(port))
+            .map((port) => `${port.can ? 'CAN ' : ''}${port.name}: ${port.text}`),
         ...status.lines.filter((line) => !line.present)
-            .map((line) => `GPIO ${line.name}: its chip is gone`),
+            .map((line) => `GPIO ${line.name}: ${line.text}`),
         ...status.dronecan.filter((node) => node.state !== 'online')
-            .map((node) => `DroneCAN on ${node.interface}: ${words(node.state)}`),
-        ...valueProblems(status),
+            .map((node) => `DroneCAN on ${node.interface}: ${node.text}`),
+        ...status.values.filter((value) => value.stale).map(valueText),
         status.machine.undervoltage ? 'The supply voltage of the board is too low' : '',
         ...status.missing_realtime.map((missing) => `Real time: ${missing}`),
     ].filter((text) => text !== '');

@@ -46,8 +46,8 @@ function inputFact(input: Input, now: Status) {
     );
 }
 
-function canText(can: Can): string {
-    return `${words(can.state)}, received ${can.received}, sent ${can.sent}, `
+function canCounts(can: Can): string {
+    return `, received ${can.received}, sent ${can.sent}, `
         + `errors ${can.error_frames}, bus-offs ${can.bus_offs}`;
 }
 
@@ -55,7 +55,7 @@ function portFact(port: Port) {
     const bad = !port.present || (port.can != null && port.can.state !== 'ready');
     return (
         <Fact key={port.name} name={port.kind === 'can' ? `CAN ${port.name}` : port.name} bad={bad}>
-            {!port.present ? 'gone' : port.can ? canText(port.can) : 'there'}
+            {port.text}{port.can ? canCounts(port.can) : ''}
         </Fact>
     );
 }
@@ -73,16 +73,11 @@ function busText(bus: SensorBus): string {
         + (age == null ? 'never seen' : `${duration(age)} old`);
 }
 
-const valueNumber = (value: Value): string =>
-    `${Number((value.number ?? 0).toPrecision(6))} ${value.unit}`;
-
 function valueFact(value: Value) {
     const age = value.age_us === null ? '' : `${duration(value.age_us)} old`;
     return (
         <Fact key={value.name} name={value.name} bad={value.stale}>
-            {value.number === null ? 'never seen'
-                : value.stale ? <><s>{valueNumber(value)}</s> stale, {age}</>
-                : <>{valueNumber(value)} <small>{age}</small></>}
+            {value.text} <small>{age}</small>
         </Fact>
     );
 }
@@ -102,11 +97,6 @@ function machineFacts(machine: Machine) {
         : [<Fact key={name} name={name} bad={name === 'undervoltage'}>{text}</Fact>]);
 }
 
-function lineText(line: Status['lines'][number]): string {
-    const state = line.active == null ? 'there' : line.active ? 'active' : 'not active';
-    return `${line.present ? state : 'its chip is gone'}, ${words(line.role ?? '')} ${line.line}`;
-}
-
 export function Facts() {
     const now = status.value;
     if (!now) {
@@ -119,7 +109,7 @@ export function Facts() {
             <Group title="GPIO">
                 {now.lines.map((line) => (
                     <Fact key={line.name} name={line.name} bad={!line.present}>
-                        {lineText(line)}
+                        {line.text}, {words(line.role)} {line.line}
                     </Fact>
                 ))}
             </Group>
@@ -131,7 +121,7 @@ export function Facts() {
             <Group title="DroneCAN">
                 {now.dronecan.map((node) => (
                     <Fact key={node.interface} name={node.interface} bad={node.state !== 'online'}>
-                        {words(node.state)}, node {node.id ?? 'without an id'}, errors {node.errors}
+                        {node.text}, errors {node.errors}
                     </Fact>
                 ))}
             </Group>

@@ -86,6 +86,7 @@ export interface Port {
     name: string;
     kind: 'serial' | 'can';
     present: boolean;
+    text: string;
     can?: Can;
 }
 
@@ -109,6 +110,7 @@ export interface Line {
     name: string;
     line: string;
     present: boolean;
+    text: string;
     role: 'link' | 'failsafe' | 'fresh' | 'force_failsafe' | 'select' | 'inverter' | 'button' | 'switch';
     active: boolean | null;
 }
@@ -129,6 +131,7 @@ export interface SensorBus {
 export interface DronecanNode {
     interface: string;
     state: 'allocating' | 'online' | 'conflict';
+    text: string;
     id: number | null;
     sent: number;
     received: number;
@@ -143,6 +146,7 @@ export interface Value {
     number: number | null;
     unit: string;
     age_us: number | null;
+    text: string;
     stale: boolean;
 }
 
