@@ -171,7 +171,7 @@ function rover(seconds) {
             ...[2, 3, 4, 5].map((n) =>
                 ({ name: `/dev/ttyAMA${n}`, kind: 'serial', present: true, text: 'is there' })),
             { name: 'can0', kind: 'can', present: true, text: 'works', can },
-            { name: 'can1', kind: 'can', present: true,
+            { name: 'can1', kind: 'can', present: true, text: 'bus-off: the controller left the bus',
                 can: { ...can, state: 'bus_off', bus_offs: 3, error_frames: 99 } },
         ],
         lines: [{ name: 'stop', line: 'GPIO5', present: true, role: 'force_failsafe', active: false,

@@ -86,8 +86,8 @@ test('outvoted inputs and broken buses are named', { timeout }, async () => {
         await waitLive(page);
         assert.match(await why(page), /outvoted by the others: tail/);
         const list = await page.getByTestId('attention').innerText();
-        for (const text of ['CAN can1: bus off', 'GPIO lamp: its chip is gone',
-            'motor_temperature: stale, 12.4 s old', 'memory is not locked']) {
+        for (const text of ['CAN can1: bus-off: the controller left', 'GPIO lamp: is gone; waiting',
+            'motor_temperature: stale: 61.4 degC, 12.4 s old', 'memory is not locked']) {
             assert.ok(list.includes(text), text);
         }
         assert.match(await page.locator('.facts').innerText(), /controls servos/);
