@@ -7,7 +7,6 @@
 #include "app/state_text/cause_text.h"
 #include "app/state_text/part_text.h"
 #include "app/status/status.h"
-#include "config/build/dronecan.h"
 #include "core/counted.h"
 
 namespace tribus {
@@ -20,12 +19,6 @@ std::string name_of_input(std::size_t input, std::span<const std::string> names)
 bool same_state(OutputState a, const OutputState& b) {
     a.by_preset = b.by_preset;
     return a == b;
-}
-
-/// Nothing more to do for the user.
-bool is_fine(const OutputState& state) {
-    return state.stage == OutputStage::control && state.outvoted == 0 &&
-           state.hearing != Hearing::silent && state.hearing != Hearing::unreadable;
 }
 
 Instant published_at(const Change& change, const Appliance& appliance) {
@@ -43,90 +36,6 @@ bool is_own(const std::string& name) {
 std::string line_of(const ToldChange& change) {
     return fmt::format("{}{}{}: {}", change.kind, change.kind.empty() ? "" : " ", change.name,
                        change.text);
-}
-
-void ChangeBook::take_names(const Appliance& appliance) {
-    const Configuration& configuration = appliance.configuration();
-    input_names_.clear();
-    for (const InputConfig& input : configuration.inputs) {
-        input_names_.push_back(input.name);
-    }
-    output_names_.clear();
-    inputs_of_.clear();
-    for (std::size_t i = 0; i < configuration.outputs.size(); ++i) {
-        output_names_.push_back(configuration.outputs[i].name);
-        const auto inputs = appliance.inputs_of(i);
-        inputs_of_.emplace_back(inputs.begin(), inputs.end());
-    }
-    nodes_.clear();
-    for (const NodePlan& plan : plan_nodes(configuration, {})) {
-        nodes_.emplace_back(plan.port.device, plan.settings.id);
-        dronecan::NodeReport first;
-        first.id = plan.settings.id;
-        if (plan.settings.dynamic) {
-            first.stage = dronecan::NodeStage::allocating;
-        }
-        words_.try_emplace({"node", plan.port.device}, node_word(first));
-    }
-    for (const Appliance::DeviceEvent& device : appliance.devices()) {
-        const bool told = !device.back && !appliance.waits_for().empty();
-        if (words_.try_emplace({"device", device.name}, told ? "gone" : "there").second && told) {
-            never_there_.insert(device.name);
-        }
-    }
-}
-
-void ChangeBook::begin(const Appliance& appliance, Instant now, Duration wall_now) {
-    words_.clear();
-    never_there_.clear();
-    taken_ = 0;
-    take_names(appliance);
-    outputs_.assign(output_names_.size(), {});
-    for (OutputMemory& memory : outputs_) {
-        memory.text = output_text({}, {});
-    }
-    add(appliance.devices(), now, wall_now);
-}
-
-void ChangeBook::go_on_with(const Appliance& appliance, const CarryOver& carry_over, Instant now,
-                            Duration wall_now) {
-    take(appliance.changes(), appliance.changes_before(), nullptr, {now, wall_now});
-    const std::vector<std::string> inputs_before = input_names_;
-    take_names(appliance);
-    std::vector<OutputMemory> outputs(output_names_.size());
-    for (std::size_t i = 0; i < outputs.size(); ++i) {
-        const CarriedFrom from = carry_over.engine.outputs[i].from;
-        outputs[i] = from ? outputs_[*from] : OutputMemory{.text = output_text({}, {})};
-    }
-    outputs_ = std::move(outputs);
-    for (std::size_t i = 0; i < input_names_.size(); ++i) {
-        if (const CarriedFrom from = carry_over.engine.inputs[i].from) {
-            tell_renamed(inputs_before[*from], input_names_[i], {now, wall_now});
-        }
-    }
-}
-
-/// The input in control has another name now.
-void ChangeBook::tell_renamed(const std::string& was, const std::string& name, Wall wall) {
-    for (std::size_t i = 0; was != name && i < outputs_.size(); ++i) {
-        if (outputs_[i].input != was) {
-            continue;
-        }
-        outputs_[i].input = name;
-        outputs_[i].text = output_text({.stage = OutputStage::control, .input = 0}, {&name, 1});
-        add({.at = wall.now,
-             .wall_time = wall.wall_now,
-             .part = "output",
-             .name = output_names_[i],
-             .field = "input",
-             .was = was,
-             .now = name,
-             .text = outputs_[i].text,
-             .state = "control",
-             .input = name,
-             .level = LogLevel::info,
-             .kind = "output"});
-    }
 }
 
 void ChangeBook::add(ToldChange change) {
@@ -170,7 +79,10 @@ void ChangeBook::add(std::span<const Appliance::DeviceEvent> events, Instant now
 void ChangeBook::look(const Appliance& appliance, Instant now, Duration wall_now) {
     const Wall wall{now, wall_now};
     take(appliance.changes(), appliance.changes().newest(), &appliance, wall);
-    look_at_waits(appliance, wall);
+    // What an output waits for may be over with a change that is not published yet.
+    if (taken_ == appliance.changes().newest()) {
+        look_at_waits(appliance, wall);
+    }
     look_at_others(appliance, wall);
 }
 
@@ -178,30 +90,40 @@ void ChangeBook::look(const Appliance& appliance, Instant now, Duration wall_now
 /// more of it.
 void ChangeBook::take(const ChangeRing& ring, std::uint64_t newest, const Appliance* appliance,
                       Wall wall) {
-    std::uint64_t lost = 0;
     for (; taken_ < newest; ++taken_) {
         const auto change = ring.read(taken_ + 1);
         if (!change) {
-            ++lost;
+            ++lost_;
             continue;
         }
         if (appliance != nullptr && change->at > published_at(*change, *appliance)) {
-            break;
+            return;
         }
-        if (lost > 0) {
-            add({.at = change->at,
-                 .wall_time = wall.at(change->at),
-                 .part = "daemon",
-                 .name = "changes",
-                 .field = "lost",
-                 .now = std::to_string(lost),
-                 .text = counted(lost, "change") + " of inputs and outputs came faster than they "
-                                                   "were read, and nobody is told of them"});
-            lost = 0;
-        }
+        tell_lost(change->at, wall);
         change->part == Change::Part::input ? add_input(*change, appliance, wall)
                                             : add_output(*change, appliance, wall);
     }
+    tell_lost(wall.now, wall);
+}
+
+void ChangeBook::tell_lost(Instant at, Wall wall) {
+    if (const std::uint64_t lost = std::exchange(lost_, 0)) {
+        add({.at = at,
+             .wall_time = wall.at(at),
+             .part = "daemon",
+             .name = "changes",
+             .field = "lost",
+             .now = std::to_string(lost),
+             .text = counted(lost, "change") + " of inputs and outputs came faster than they were "
+                                               "read, and nobody is told of them"});
+    }
+}
+
+/// What the last change of the part said; after a stop or a loss of changes the engine may know
+/// better, but a reader does not.
+std::string ChangeBook::word_before(const ToldChange& change) {
+    const auto [word, first] = words_.try_emplace({change.part, change.name}, change.was);
+    return std::exchange(word->second, change.now);
 }
 
 void ChangeBook::add_input(const Change& change, const Appliance* appliance, Wall wall) {
@@ -210,29 +132,34 @@ void ChangeBook::add_input(const Change& change, const Appliance* appliance, Wal
     if (appliance != nullptr && appliance->input_status(change.index).state.cause == link.cause) {
         status = appliance->input_status(change.index);
     }
-    add({.at = change.at,
-         .wall_time = wall.at(change.at),
-         .part = "input",
-         .name = input_names_[change.index],
-         .field = "cause",
-         .was = std::string(word_of(change.was.link.cause)),
-         .now = std::string(word_of(link.cause)),
-         .text = cause_text(link, status.implausible, status.fault.view()),
-         .state = word_of(link.cause),
-         .level = link.cause == LinkCause::good ? LogLevel::info : LogLevel::warning,
-         .kind = "input"});
+    ToldChange told{.at = change.at,
+                    .wall_time = wall.at(change.at),
+                    .part = "input",
+                    .name = input_names_[change.index],
+                    .field = "cause",
+                    .was = std::string(word_of(change.was.link.cause)),
+                    .now = std::string(word_of(link.cause)),
+                    .text = cause_text(link, status.implausible, status.fault.view()),
+                    .state = word_of(link.cause),
+                    .level = link.cause == LinkCause::good ? LogLevel::info : LogLevel::warning,
+                    .kind = "input"};
+    told.was = word_before(told);
+    add(std::move(told));
 }
 
-/// Names of the outvoted inputs of an output.
-std::string ChangeBook::outvoted_names(std::size_t output, std::uint32_t outvoted) const {
-    std::string text;
+/// "; outvoted by the others: backup", or that its inputs agree again. Bits as in `OutputState`.
+std::string ChangeBook::votes_text(std::size_t output, std::uint32_t before,
+                                   std::uint32_t now) const {
+    std::string names;
     for (std::size_t place = 0; place < inputs_of_[output].size(); ++place) {
-        if ((outvoted >> place & 1U) != 0) {
-            text += fmt::format("{}{}", text.empty() ? "" : ", ",
-                                input_names_[inputs_of_[output][place]]);
+        if ((now >> place & 1U) != 0) {
+            names += fmt::format("{}{}", names.empty() ? "" : ", ",
+                                 input_names_[inputs_of_[output][place]]);
         }
     }
-    return text;
+    return !names.empty() ? "; outvoted by the others: " + names
+           : before != 0  ? "; its inputs agree again"
+                          : "";
 }
 
 /// The newest state of an output is told with what it waits for.
@@ -241,12 +168,8 @@ std::string ChangeBook::text_of(const Change& change, const Appliance* appliance
     const OutputStatus status =
         appliance == nullptr ? OutputStatus{} : appliance->output_status(change.index);
     const OutputWait wait = same_state(status.state, state) ? status.wait : OutputWait{};
-    const bool agree_again = change.was.output.outvoted != 0 && state.outvoted == 0;
-    const std::string votes = state.outvoted != 0 ? "; outvoted by the others: " +
-                                                        outvoted_names(change.index, state.outvoted)
-                              : agree_again ? "; its inputs agree again"
-                                            : "";
-    return output_sentence(state, wait, input_names_) + votes;
+    return output_sentence(state, wait, input_names_) +
+           votes_text(change.index, change.was.output.outvoted, state.outvoted);
 }
 
 void ChangeBook::add_output(const Change& change, const Appliance* appliance, Wall wall) {
@@ -269,6 +192,7 @@ void ChangeBook::add_output(const Change& change, const Appliance* appliance, Wa
     memory.waits = true;
     const std::string text = std::exchange(memory.text, told.text);
     memory.input = told.input;
+    told.was = word_before(told);
     if (told.was == told.now && change.was.output.input != state.input) {
         told.field = "input";
         told.was = name_of_input(change.was.output.input, input_names_);

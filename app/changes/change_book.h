@@ -30,7 +30,11 @@ class ChangeBook {
     /// From now on it follows `appliance`, which has just started. What the start itself told of
     /// missing devices is no change.
     void begin(const Appliance& appliance, Instant now, Duration wall_now);
-    /// The same for an appliance that replaced the one before between two frames.
+    /// An appliance has replaced the one before between two frames: takes the last changes of that
+    /// one. Then call `go_on_with`.
+    void take_the_last_before(const Appliance& appliance, Instant now, Duration wall_now) {
+        take(appliance.changes(), appliance.changes_before(), nullptr, {now, wall_now});
+    }
     void go_on_with(const Appliance& appliance, const CarryOver& carry_over, Instant now,
                     Duration wall_now);
 
@@ -73,8 +77,12 @@ class ChangeBook {
     void look_at_waits(const Appliance& appliance, Wall wall);
     void look_at_others(const Appliance& appliance, Wall wall);
     std::string text_of(const Change& change, const Appliance* appliance) const;
-    std::string outvoted_names(std::size_t output, std::uint32_t outvoted) const;
-    void tell_renamed(const std::string& was, const std::string& name, Wall wall);
+    void tell_renamed(std::size_t output, const std::string& was, const OutputStatus& status,
+                      Wall wall);
+    void tell_restarted(Wall wall);
+    void tell_lost(Instant at, Wall wall);
+    std::string word_before(const ToldChange& change);
+    std::string votes_text(std::size_t output, std::uint32_t before, std::uint32_t now) const;
     void note(ToldChange change, Wall wall);
 
     std::vector<std::string> input_names_;
@@ -84,11 +92,12 @@ class ChangeBook {
     std::vector<OutputMemory> outputs_;
     /// Interface and configured id of each DroneCAN node.
     std::vector<std::pair<std::string, int>> nodes_;
-    /// The latest word of each part that is no input and no output.
+    /// The latest word of each part.
     std::map<std::pair<std::string_view, std::string>, std::string> words_;
     /// Names of devices that have not been there yet.
     std::set<std::string> never_there_;
     std::uint64_t taken_ = 0;  ///< number of the newest change taken from the data thread
+    std::uint64_t lost_ = 0;   ///< changes that came too fast, and were not told yet
     std::uint64_t newest_ = 0;
     std::deque<ToldChange> changes_;
 };

@@ -10,6 +10,15 @@ namespace tribus {
 
 using namespace status_fields;
 
+std::chrono::microseconds ChangeReader::start_of(const nlohmann::json& status) {
+    return std::chrono::microseconds(whole(status, "t_us").value_or(0) -
+                                     whole(status, "uptime_us").value_or(0));
+}
+
+bool ChangeReader::same_process(const nlohmann::json& a, const nlohmann::json& b) {
+    return std::chrono::abs(start_of(a) - start_of(b)) < std::chrono::milliseconds(1);
+}
+
 std::optional<std::string> ChangeReader::ask(std::uint64_t newest) {
     if (asked_ || newest == *read_) {
         return std::nullopt;
@@ -24,13 +33,12 @@ std::optional<std::string> ChangeReader::take_status(const nlohmann::json& statu
         return std::nullopt;
     }
     const std::uint64_t newest = count(status, "changes");
-    const double uptime_us = number(status, "uptime_us").value_or(0);
-    if (uptime_us < uptime_us_) {
+    if (read_ && !same_process(status, process_)) {
         // Another process begins anew.
         read_ = 0;
         asked_ = false;
     }
-    uptime_us_ = uptime_us;
+    process_ = {{"t_us", field(status, "t_us")}, {"uptime_us", field(status, "uptime_us")}};
     read_ = std::min(read_.value_or(newest), newest);
     return ask(newest);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -14,6 +15,11 @@ namespace tribus {
 /// are at the first status is no change. Pure.
 class ChangeReader {
   public:
+    /// When the process that says this status was started, on the board's monotonic clock. Two
+    /// statuses of one process differ by less than a millisecond.
+    static std::chrono::microseconds start_of(const nlohmann::json& status);
+    static bool same_process(const nlohmann::json& a, const nlohmann::json& b);
+
     /// Takes a status of the daemon. Returns the request to send to it, if there is one.
     std::optional<std::string> take_status(const nlohmann::json& status);
     struct News {
@@ -32,7 +38,7 @@ class ChangeReader {
 
     /// Number of the newest change that was read.
     std::optional<std::uint64_t> read_;
-    double uptime_us_ = 0;
+    nlohmann::json process_;  ///< times of the newest status
     bool asked_ = false;
 };
 

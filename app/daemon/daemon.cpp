@@ -49,6 +49,7 @@ void Daemon::show_started() {
 void Daemon::show_successor(const std::vector<PortPlan>& ports_before,
                             const CarryOver& carry_over) {
     const Instant now = monotonic_now();
+    book_.go_on_with(*appliance_, carry_over, now, wall_time_now());
     auto log = std::make_unique<StateLog>(*appliance_, now);
     log->go_on_from(*log_, *appliance_, carry_over);
     log_ = std::move(log);
@@ -97,6 +98,7 @@ void Daemon::start(Configuration configuration) {
 
 /// A recorder goes on in the next appliance, or finishes by itself: no output waits for a disk.
 void Daemon::stop() {
+    tell_the_last_changes();
     if (auto recorder = Appliance::stop(std::move(appliance_))) {
         left_over_ = std::move(recorder);
     }
@@ -140,9 +142,9 @@ ReloadOutcome Daemon::take_between_frames(std::unique_ptr<Appliance> fresh,
     }
     appliance_ = std::move(*next);
     // What happened before is logged before.
-    const Instant now = monotonic_now();
-    book_.go_on_with(*appliance_, carry_over, now, wall_time_now());
-    log_->look_at_changes(book_, now);
+    book_.take_the_last_before(*appliance_, monotonic_now(), wall_time_now());
+    change_log_.look(book_, monotonic_now());
+    change_log_.flush();
     log_info("reloaded {}", summary(configuration()));
     show_successor(ports_before, carry_over);
     return {.taken = true};
@@ -195,12 +197,21 @@ void Daemon::restart() {
     show_started();
 }
 
+/// Of an appliance that will stop, or has.
+void Daemon::tell_the_last_changes() {
+    const Instant now = monotonic_now();
+    book_.look(*appliance_, now, wall_time_now());
+    change_log_.look(book_, now);
+    change_log_.flush();
+}
+
 /// Opens devices that are back, and tells what has changed.
 void Daemon::look_after_parts(Instant now) {
     const Appliance::DeviceNews news = appliance_->look_after_devices(now);
     book_.add(news.events, now, wall_time_now());
     book_.look(*appliance_, now, wall_time_now());
-    log_->look(*appliance_, book_, news, now);
+    change_log_.look(book_, now);
+    log_->look(*appliance_, news, now);
 }
 
 void Daemon::look_at_recorders(Instant now) {
@@ -243,6 +254,7 @@ void Daemon::look(Instant now) {
 void Daemon::end() {
     service_.stopping();
     appliance_->end();
+    tell_the_last_changes();
     log_info("stopped");
 }
 

@@ -12,6 +12,7 @@
 #include "app/daemon/daemon_sockets.h"
 #include "app/daemon/preparation.h"
 #include "app/daemon/service_notify.h"
+#include "app/log/change_log.h"
 #include "app/log/state_log.h"
 #include "config/schema/schema.h"
 #include "core/time.h"
@@ -123,6 +124,7 @@ class Daemon {
                                       const CarryOver& carry_over);
     void set_trial(std::optional<Trial> trial);
     void look_after_parts(Instant now);
+    void tell_the_last_changes();
     void look_at_recorders(Instant now);
     void tell_configuration(std::string word, std::string text);
     void restart();
@@ -138,6 +140,7 @@ class Daemon {
     /// That of the configuration before, until it has written what is pending.
     std::unique_ptr<FlightRecorder> left_over_;
     ChangeBook book_;
+    ChangeLog change_log_;
     std::uint64_t recorded_ = 0;  ///< number of the newest change that the recorder knows
     std::unique_ptr<StateLog> log_;
     std::optional<Trial> trial_;

@@ -192,6 +192,8 @@ ReloadOutcome Daemon::finish_reload(Change& change) {
         tell_configuration("on_trial", "is on trial");
     } else if (effective_toml(configuration()) != text_before) {
         tell_configuration("changed", "is another one");
+    } else if (trial_ && change.kind != ChangeKind::hang_up) {
+        tell_configuration("kept", "is kept");
     }
     if (change.trial) {
         log_info("on trial for {} s: without confirmation the daemon goes back",

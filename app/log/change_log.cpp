@@ -43,28 +43,30 @@ double in_seconds(Duration duration) {
 }  // namespace
 
 void ChangeLog::hold(const ToldChange& change, Memory& memory) {
-    Held fresh;
-    Held& held = memory.held ? *memory.held : fresh;
-    if (change.part == "input" && !is_loss(change) && memory.lost_at != kNever) {
+    const std::size_t text = std::hash<std::string>{}(change.text);
+    if (std::exchange(memory.text, text) == text) {
+        return;
+    }
+    // The line of the output that waits for it says what it lacks.
+    if (change.now == "unproved" && !memory.held) {
+        memory.lost_at = kNever;
+        return;
+    }
+    if (!memory.held) {
+        memory.held = std::make_unique<Held>();
+        memory.held->first = change.at;
+    }
+    Held& held = *memory.held;
+    if (is_loss(change) && change.was != "never_seen") {
+        memory.lost_at = std::min(memory.lost_at, change.at);
+    } else if (!is_loss(change) && memory.lost_at != kNever) {
         const Duration lasted = change.at - std::exchange(memory.lost_at, kNever);
         held.shortest = std::min(held.shortest, lasted);
         held.longest = std::max(held.longest, lasted);
         ++held.losses;
-    } else if (is_loss(change) && change.was != "never_seen") {
-        memory.lost_at = std::min(memory.lost_at, change.at);
     }
-    // The line of the output that waits for it says what it lacks.
-    const std::size_t text = std::hash<std::string>{}(change.text);
-    if (change.now == "unproved" || text == memory.text) {
-        return;
-    }
-    memory.text = text;
-    held.first = held.changes == 0 ? change.at : held.first;
     ++held.changes;
     held.latest = change;
-    if (!memory.held) {
-        memory.held = std::make_shared<Held>(std::move(fresh));
-    }
 }
 
 std::string ChangeLog::note_of(const Held& held) {
@@ -81,10 +83,7 @@ std::string ChangeLog::note_of(const Held& held) {
                        losses);
 }
 
-void ChangeLog::log_held(Memory& memory, Instant now) {
-    if (!memory.held || !memory.limit.pass(now)) {
-        return;
-    }
+void ChangeLog::log_held(Memory& memory) {
     const auto held = std::exchange(memory.held, nullptr);
     const ToldChange& change = held->latest;
     const PartFields& fields = *fields_of(change);
@@ -95,16 +94,30 @@ void ChangeLog::log_held(Memory& memory, Instant now) {
 }
 
 void ChangeLog::look(const ChangeBook& changes, Instant now) {
+    const auto log_if_it_may = [now](Memory& memory) {
+        if (memory.held && memory.limit.pass(now)) {
+            log_held(memory);
+        }
+    };
     for (const ToldChange& change : changes.since(number_)) {
         if (fields_of(change) != nullptr) {
             Memory& memory = parts_[{change.part, change.name}];
             hold(change, memory);
-            log_held(memory, now);
+            log_if_it_may(memory);
         }
     }
     number_ = changes.newest();
     for (auto& [part, memory] : parts_) {
-        log_held(memory, now);
+        log_if_it_may(memory);
+    }
+}
+
+void ChangeLog::flush() {
+    for (auto& [part, memory] : parts_) {
+        if (memory.held) {
+            log_held(memory);
+        }
+        memory.text = 0;
     }
 }
 

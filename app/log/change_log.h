@@ -23,6 +23,9 @@ class ChangeLog {
   public:
     /// Logs the changes since the last call. Call it a few times a second.
     void look(const ChangeBook& changes, Instant now);
+    /// Logs at once what waits for its turn: the parts may have other names from now on, or there
+    /// is no later.
+    void flush();
 
   private:
     /// Changes that have no line yet.
@@ -36,14 +39,14 @@ class ChangeLog {
     };
     struct Memory {
         RateLimit limit = log_limit();
-        std::size_t text = 0;  ///< hash of the newest sentence
+        std::size_t text = 0;  ///< hash of the newest sentence; 0: there is none
         /// When the present loss of an input began; `kNever`: there is none.
         Instant lost_at = kNever;
-        std::shared_ptr<Held> held{};
+        std::unique_ptr<Held> held{};
     };
 
     static void hold(const ToldChange& change, Memory& memory);
-    static void log_held(Memory& memory, Instant now);
+    static void log_held(Memory& memory);
     static std::string note_of(const Held& held);
 
     std::uint64_t number_ = 0;

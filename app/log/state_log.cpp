@@ -54,7 +54,6 @@ void StateLog::go_on_from(const StateLog& before, const Appliance& appliance,
             outputs_[i] = before.outputs_[*from];
         }
     }
-    changes_ = before.changes_;
     absences_ = before.absences_;
     absence_limit_ = before.absence_limit_;
     can_.go_on_from(before.can_, appliance);
@@ -234,15 +233,13 @@ void StateLog::look_at_absence(const AbsenceStatus& absence, Instant now) {
     }
 }
 
-void StateLog::look(const Appliance& appliance, const ChangeBook& changes,
-                    const Appliance::DeviceNews& news, Instant now) {
+void StateLog::look(const Appliance& appliance, const Appliance::DeviceNews& news, Instant now) {
     look_at_absence(appliance.absence(), now);
     for (const Appliance::DeviceEvent& event : news.events) {
         if (!event.problem.empty()) {
             log_warning("{}", event.problem);
         }
     }
-    changes_.look(changes, now);
     can_.look(appliance, news.restarts, now);
     sensor_buses_.look(appliance, now);
     const Configuration& configuration = appliance.configuration();

@@ -9,10 +9,8 @@
 #include <vector>
 
 #include "app/appliance/appliance.h"
-#include "app/changes/change_book.h"
 #include "app/journal/log_limit.h"
 #include "app/log/can_report.h"
-#include "app/log/change_log.h"
 #include "app/log/sensor_bus_log.h"
 #include "config/build/carry_over.h"
 #include "core/rate_limit.h"
@@ -20,7 +18,7 @@
 
 namespace tribus {
 
-/// Logs changes of state, and what else somebody must know; logs nothing while nothing changes.
+/// Logs what somebody must know besides changes of state; logs nothing while all is well.
 /// Thread-bound to the main thread.
 class StateLog {
   public:
@@ -34,10 +32,7 @@ class StateLog {
 
     /// Logs what is new since the last call, at most a few lines per time for each input, output
     /// and device. `news`: of the appliance, since the last call.
-    /// The changes alone are also logged by `look_at_changes`.
-    void look_at_changes(const ChangeBook& changes, Instant now) { changes_.look(changes, now); }
-    void look(const Appliance& appliance, const ChangeBook& changes,
-              const Appliance::DeviceNews& news, Instant now);
+    void look(const Appliance& appliance, const Appliance::DeviceNews& news, Instant now);
 
   private:
     struct InputMemory {
@@ -81,7 +76,6 @@ class StateLog {
     static void log_missing_signal(const std::string& name, const InputStatus& status,
                                    const PortPlan& port, InputMemory& memory, Instant now);
 
-    ChangeLog changes_;
     std::vector<InputMemory> inputs_;
     std::vector<OutputMemory> outputs_;
     std::uint64_t absences_ = 0;

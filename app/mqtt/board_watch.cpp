@@ -67,7 +67,7 @@ void BoardWatch::take(Daemon& daemon, const std::string& line, Instant now) {
 
 void BoardWatch::take_status(Daemon& daemon, nlohmann::json status, Instant now) {
     daemon.received = now;
-    if (daemon.newest && uptime_us(status) < uptime_us(*daemon.newest)) {
+    if (daemon.newest && !ChangeReader::same_process(status, *daemon.newest)) {
         const auto since = std::chrono::microseconds(uptime_us(status));
         const auto wall = status_fields::whole(status, "unix_time_us").value_or(0) - since.count();
         outbox_.add(daemon.topics.event,

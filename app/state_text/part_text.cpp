@@ -4,6 +4,11 @@
 
 namespace tribus {
 
+bool is_fine(const OutputState& state) {
+    return state.stage == OutputStage::control && state.outvoted == 0 &&
+           state.hearing != Hearing::silent && state.hearing != Hearing::unreadable;
+}
+
 std::string can_bus_text(CanBusState state, const std::string& name) {
     switch (state) {
         case CanBusState::ready:

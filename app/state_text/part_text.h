@@ -5,12 +5,16 @@
 #include <string_view>
 
 #include "pipelines/dronecan/node.h"
+#include "pipelines/engine/output.h"
 #include "transports/links/can/can_link.h"
 
 namespace tribus {
 
 /// The state of a device, interface or GPIO line that is missing.
 inline constexpr std::string_view kGoneText = "is gone; waiting for it";
+
+/// Whether the user has nothing to do about an output in this state.
+bool is_fine(const OutputState& state);
 
 /// The state of a CAN interface in words: "works".
 std::string can_bus_text(CanBusState state, const std::string& name);

@@ -230,7 +230,8 @@ TEST_F(StateLogOverAReload, SaysNothingAgainOfAnInput) {
     EXPECT_EQ(said_at(Instant(3s), kReceiver), "");
 }
 
-TEST_F(StateLogOverAReload, SaysWhatHadNoLineLeftBefore) {
+/// The part may have another name behind it.
+TEST_F(StateLogOverAReload, SaysBeforeItWhatHadNoLineLeft) {
     // Six messages in 30 s.
     for (auto second = 1s; second < 7s; second += 2s) {
         receive(kGood, LinkCause::good, Instant(second));
@@ -240,8 +241,8 @@ TEST_F(StateLogOverAReload, SaysWhatHadNoLineLeftBefore) {
     receive(kGood, LinkCause::good, Instant(8s));
     EXPECT_EQ(said(kReceiver), "");
     reload(Instant(9s));
-    EXPECT_EQ(said_at(Instant(29s), kReceiver), "") << "a reload gives no new lines";
-    EXPECT_EQ(said_at(Instant(60s), kReceiver), "input receiver: good\n");
+    EXPECT_EQ(said(kReceiver), "input receiver: good\n");
+    EXPECT_EQ(said_at(Instant(60s), kReceiver), "");
 }
 
 TEST_F(StateLogOverAReload, CountsTheSilenceOfAnInputFromItsStart) {

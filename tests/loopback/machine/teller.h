@@ -5,6 +5,7 @@
 
 #include "app/appliance/appliance.h"
 #include "app/changes/change_book.h"
+#include "app/log/change_log.h"
 #include "app/log/state_log.h"
 #include "config/build/carry_over.h"
 #include "core/time.h"
@@ -26,9 +27,13 @@ class Teller {
             changes_.add(appliance.devices(), now, {});
         }
         changes_.look(appliance, now, {});
-        log_->look(appliance, changes_, news, now);
+        change_log_.look(changes_, now);
+        log_->look(appliance, news, now);
     }
     void go_on_with(const Appliance& successor, const CarryOver& carry_over, Instant now) {
+        changes_.take_the_last_before(successor, now, {});
+        change_log_.look(changes_, now);
+        change_log_.flush();
         changes_.go_on_with(successor, carry_over, now, {});
         auto log = std::make_unique<StateLog>(successor, now);
         log->go_on_from(*log_, successor, carry_over);
@@ -39,6 +44,7 @@ class Teller {
 
   private:
     ChangeBook changes_;
+    ChangeLog change_log_;
     std::unique_ptr<StateLog> log_;
     bool is_successor_ = false;
 };

@@ -13,8 +13,10 @@ namespace {
 
 using nlohmann::json;
 
+/// A status of 100 s on the board's clock.
 json status(std::uint64_t changes, std::int64_t uptime_us = 5'000'000) {
-    return {{"type", "status"}, {"changes", changes}, {"uptime_us", uptime_us}};
+    return {
+        {"type", "status"}, {"changes", changes}, {"t_us", 100'000'000}, {"uptime_us", uptime_us}};
 }
 json answer(std::uint64_t newest, std::vector<std::uint64_t> numbers, std::uint64_t lost = 0) {
     json changes = json::array();
@@ -83,6 +85,17 @@ TEST(ChangeReader, BeginsAnewWithAnotherProcess) {
     reader.take_status(status(5, 60'000'000));
     EXPECT_EQ(reader.take_status(status(7, 100'000)), Request("changes 0"));
     EXPECT_EQ(numbers(reader.take_answer(answer(7, {1, 2, 3, 4, 5, 6, 7}))).size(), 7U);
+}
+
+/// The first status of the new process may be later in its life than the last one of the old.
+TEST(ChangeReader, KnowsAnotherProcessAlsoIfThatHasRunLonger) {
+    ChangeReader reader;
+    reader.take_status(status(2, 200'000));
+    EXPECT_EQ(reader.take_status(status(2, 390'000)), Request("changes 0"));
+    json later = status(2, 590'000);
+    later["t_us"] = 100'200'000;
+    reader.take_answer(answer(2, {1, 2}));
+    EXPECT_EQ(reader.take_status(later), Request()) << "the same process";
 }
 
 TEST(ChangeReader, AsksADaemonOfAnEarlierVersionNothing) {

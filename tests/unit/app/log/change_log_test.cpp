@@ -1,5 +1,6 @@
 #include "app/log/change_log.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <regex>
@@ -31,6 +32,11 @@ class ChangeLogTest : public testing::Test {
     }
     std::string said_until(Instant until) {
         look_until(until);
+        return logged_.take_lines([](const std::string& /*line*/) { return true; });
+    }
+
+    std::string said_by_flush() {
+        log_.flush();
         return logged_.take_lines([](const std::string& /*line*/) { return true; });
     }
 
@@ -77,6 +83,32 @@ TEST_F(ChangeLogTest, DoesNotSayThatAnInputIsUnprovedWhichTheOutputSays) {
     EXPECT_EQ(said_until(Instant(2s)), "");
     input(Instant(3s), "unproved", "good");
     EXPECT_EQ(said_until(Instant(4s)), "info input receiver: good\n");
+}
+
+/// A backup that returns while another input has control.
+TEST_F(ChangeLogTest, CountsLossesAfterWhichNoOutputUsesTheInput) {
+    Instant now(1s);
+    for (int loss = 0; loss < 10; ++loss) {
+        input(now, "unproved", "wire_silent");
+        input(now + 20ms, "wire_silent", "unproved");
+        now += 100ms;
+    }
+    const std::string lines = said_until(Instant(20s));
+    EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 6) << lines;
+    EXPECT_EQ(said_until(Instant(40s)),
+              "warning input receiver: unproved (7 changes before this not logged: 4 losses of 20 "
+              "to 20 ms in 0.3 s)\n");
+}
+
+TEST_F(ChangeLogTest, SaysAtTheEndWhatHadNoLineLeft) {
+    for (int change = 0; change < 8; ++change) {
+        input(Instant(1s + change * 100ms), change % 2 == 0 ? "good" : "wire_silent",
+              change % 2 == 0 ? "wire_silent" : "good");
+    }
+    said_until(Instant(5s));
+    EXPECT_EQ(said_by_flush(),
+              "info input receiver: good (1 change before this not logged: 1 loss of 100 to 100 ms "
+              "in 0.1 s)\n");
 }
 
 TEST_F(ChangeLogTest, DoesNotRepeatASentence) {
