@@ -15,8 +15,9 @@ std::chrono::microseconds ChangeReader::start_of(const nlohmann::json& status) {
                                      whole(status, "uptime_us").value_or(0));
 }
 
-bool ChangeReader::same_process(const nlohmann::json& a, const nlohmann::json& b) {
-    return std::chrono::abs(start_of(a) - start_of(b)) < std::chrono::milliseconds(1);
+/// A status gives both times in whole microseconds.
+bool ChangeReader::same_start(std::chrono::microseconds a, std::chrono::microseconds b) {
+    return std::chrono::abs(a - b) < std::chrono::milliseconds(1);
 }
 
 std::optional<std::string> ChangeReader::ask(std::uint64_t newest) {
@@ -33,12 +34,13 @@ std::optional<std::string> ChangeReader::take_status(const nlohmann::json& statu
         return std::nullopt;
     }
     const std::uint64_t newest = count(status, "changes");
-    if (read_ && !same_process(status, process_)) {
+    const std::chrono::microseconds start = start_of(status);
+    if (read_ && !same_start(start, start_)) {
         // Another process begins anew.
         read_ = 0;
         asked_ = false;
     }
-    process_ = {{"t_us", field(status, "t_us")}, {"uptime_us", field(status, "uptime_us")}};
+    start_ = start;
     read_ = std::min(read_.value_or(newest), newest);
     return ask(newest);
 }

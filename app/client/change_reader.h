@@ -15,10 +15,10 @@ namespace tribus {
 /// are at the first status is no change. Pure.
 class ChangeReader {
   public:
-    /// When the process that says this status was started, on the board's monotonic clock. Two
-    /// statuses of one process differ by less than a millisecond.
-    static std::chrono::microseconds start_of(const nlohmann::json& status);
-    static bool same_process(const nlohmann::json& a, const nlohmann::json& b);
+    /// Whether one process says both statuses: it was started once.
+    static bool same_process(const nlohmann::json& a, const nlohmann::json& b) {
+        return same_start(start_of(a), start_of(b));
+    }
 
     /// Takes a status of the daemon. Returns the request to send to it, if there is one.
     std::optional<std::string> take_status(const nlohmann::json& status);
@@ -34,11 +34,14 @@ class ChangeReader {
     void disconnected() { asked_ = false; }
 
   private:
+    /// When the process that says this status was started, on the board's monotonic clock.
+    static std::chrono::microseconds start_of(const nlohmann::json& status);
+    static bool same_start(std::chrono::microseconds a, std::chrono::microseconds b);
     std::optional<std::string> ask(std::uint64_t newest);
 
     /// Number of the newest change that was read.
     std::optional<std::uint64_t> read_;
-    nlohmann::json process_;  ///< times of the newest status
+    std::chrono::microseconds start_{};  ///< of the process of the newest status
     bool asked_ = false;
 };
 
