@@ -23,9 +23,9 @@ struct ToldChange {
     std::string_view field{};
     std::string was{};
     std::string now{};
-    std::string text{};   ///< for people: how the part is now
+    std::string text{};        ///< for people: how the part is now
     std::string_view state{};  ///< of an input its cause, of an output its state
-    std::string input{};  ///< of an output: the input in control
+    std::string input{};       ///< of an output: the input in control
     LogLevel level = LogLevel::warning;
     /// Between the part and its name in a line: "device /dev/ttyUSB0".
     std::string_view kind{};
