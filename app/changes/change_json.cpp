@@ -16,7 +16,7 @@ using field_values::text_or_null;
 using field_values::us;
 using OrderedJson = nlohmann::ordered_json;
 
-/// Of one answer, which a client gets in memory that is bounded. Who wants more asks again.
+/// Limit of one answer, because the memory of a client is bounded. A client asks again for more.
 constexpr std::size_t kMostChanges = 100;
 
 OrderedJson json_of(const ToldChange& change) {
@@ -49,7 +49,7 @@ std::optional<std::uint64_t> number_in(std::span<const std::string> words) {
 
 }  // namespace
 
-std::string changes_json(const ChangeBook& changes, std::span<const std::string> words) {
+std::string changes_json(const ChangeJournal& changes, std::span<const std::string> words) {
     const auto number = number_in(words);
     if (!number || *number > changes.newest()) {
         return error_object(

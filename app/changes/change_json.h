@@ -4,12 +4,12 @@
 #include <span>
 #include <string>
 
-#include "app/changes/change_book.h"
+#include "app/changes/change_journal.h"
 
 namespace tribus {
 
 /// The answer to `changes SINCE`, one JSON object: the changes after that number, at most 100, with
 /// the number of the newest one and how many are no longer kept. Nothing in `words`: all.
-std::string changes_json(const ChangeBook& changes, std::span<const std::string> words);
+std::string changes_json(const ChangeJournal& changes, std::span<const std::string> words);
 
 }  // namespace tribus

@@ -18,8 +18,8 @@ struct ToldChange {
     /// "configuration", or "daemon".
     std::string_view part{};
     std::string name{};
-    /// What has changed: "cause" of an input; "state", "input", "waits_for" or, for all else,
-    /// "text" of an output; "lost" of the daemon; "state" of all others.
+    /// The field that has changed: "cause" of an input; "state", "input", "waits_for" or, for all
+    /// else, "text" of an output; "lost" of the daemon; "state" of all others.
     std::string_view field{};
     std::string was{};
     std::string now{};
@@ -27,7 +27,7 @@ struct ToldChange {
     std::string_view state{};  ///< of an input its cause, of an output its state
     std::string input{};       ///< of an output: the input in control
     LogLevel level = LogLevel::warning;
-    /// Between the part and its name in a line: "device /dev/ttyUSB0".
+    /// Stands before the name in a line, as in "device /dev/ttyUSB0". May be empty.
     std::string_view kind{};
 };
 

@@ -38,10 +38,12 @@ void Daemon::show_started() {
         return;
     }
     const Instant now = monotonic_now();
-    book_.begin(*appliance_, now, wall_time_now());
+    journal_.begin(*appliance_, now, wall_time_now());
+    // The user asked for this failsafe.
+    recorded_ = journal_.newest();
     log_ = std::make_unique<StateLog>(*appliance_, now);
     log_->log_interfaces(*appliance_);
-    sockets_.show(*appliance_, book_);
+    sockets_.show(*appliance_, journal_);
     service_.started(*appliance_, now);
 }
 
@@ -49,7 +51,7 @@ void Daemon::show_started() {
 void Daemon::show_successor(const std::vector<PortPlan>& ports_before,
                             const CarryOver& carry_over) {
     const Instant now = monotonic_now();
-    book_.go_on_with(*appliance_, carry_over, now, wall_time_now());
+    journal_.go_on_with(*appliance_, carry_over, now, wall_time_now());
     auto log = std::make_unique<StateLog>(*appliance_, now);
     log->go_on_from(*log_, *appliance_, carry_over);
     log_ = std::move(log);
@@ -63,8 +65,8 @@ void Daemon::show_successor(const std::vector<PortPlan>& ports_before,
     }
     // Opens the devices that got other line settings; those that are still missing are told then.
     look_after_parts(now);
-    book_.add(appliance_->devices(), now, wall_time_now());
-    sockets_.show(*appliance_, book_);
+    journal_.add(appliance_->devices(), now, wall_time_now());
+    sockets_.show(*appliance_, journal_);
     service_.started(*appliance_, now);
 }
 
@@ -99,6 +101,7 @@ void Daemon::start(Configuration configuration) {
 /// A recorder goes on in the next appliance, or finishes by itself: no output waits for a disk.
 void Daemon::stop() {
     tell_the_last_changes();
+    look_at_recorders(monotonic_now());
     if (auto recorder = Appliance::stop(std::move(appliance_))) {
         left_over_ = std::move(recorder);
     }
@@ -141,9 +144,9 @@ ReloadOutcome Daemon::take_between_frames(std::unique_ptr<Appliance> fresh,
         return {.lines = std::move(next.error())};
     }
     appliance_ = std::move(*next);
-    // What happened before is logged before.
-    book_.take_the_last_before(*appliance_, monotonic_now(), wall_time_now());
-    change_log_.look(book_, monotonic_now());
+    // The log has the last changes of the old configuration before this line.
+    journal_.take_the_last_before(*appliance_, monotonic_now(), wall_time_now());
+    change_log_.look(journal_, monotonic_now());
     change_log_.flush();
     log_info("reloaded {}", summary(configuration()));
     show_successor(ports_before, carry_over);
@@ -168,14 +171,14 @@ void Daemon::set_trial(std::optional<Trial> trial) {
 
 void Daemon::tell_configuration(std::string word, std::string text) {
     const Instant now = monotonic_now();
-    book_.add({.at = now,
-               .wall_time = wall_time_now(),
-               .part = "configuration",
-               .name = std::filesystem::path(path_).stem().string(),
-               .field = "state",
-               .now = std::move(word),
-               .text = std::move(text),
-               .kind = "configuration"});
+    journal_.add({.at = now,
+                  .wall_time = wall_time_now(),
+                  .part = "configuration",
+                  .name = std::filesystem::path(path_).stem().string(),
+                  .field = "state",
+                  .now = std::move(word),
+                  .text = std::move(text),
+                  .kind = "configuration"});
 }
 
 void Daemon::confirm() {
@@ -200,25 +203,26 @@ void Daemon::restart() {
 /// Of an appliance that will stop, or has.
 void Daemon::tell_the_last_changes() {
     const Instant now = monotonic_now();
-    book_.look(*appliance_, now, wall_time_now());
-    change_log_.look(book_, now);
+    journal_.look(*appliance_, now, wall_time_now());
+    change_log_.look(journal_, now);
     change_log_.flush();
 }
 
 /// Opens devices that are back, and tells what has changed.
 void Daemon::look_after_parts(Instant now) {
     const Appliance::DeviceNews news = appliance_->look_after_devices(now);
-    book_.add(news.events, now, wall_time_now());
-    book_.look(*appliance_, now, wall_time_now());
-    change_log_.look(book_, now);
+    journal_.add(news.events, now, wall_time_now());
+    journal_.look(*appliance_, now, wall_time_now());
+    change_log_.look(journal_, now);
     log_->look(*appliance_, news, now);
 }
 
 void Daemon::look_at_recorders(Instant now) {
     std::vector<FailsafeEntry> entries;
-    for (const ToldChange& change : book_.since(std::exchange(recorded_, book_.newest()))) {
+    for (const ToldChange& change : journal_.since(std::exchange(recorded_, journal_.newest()))) {
         const bool was_fed = change.was == "control" || change.was == "hold";
-        if (change.part == "output" && was_fed &&
+        // An input may have such a name.
+        if (change.part == "output" && change.field == "state" && was_fed &&
             (change.now == "failsafe" || change.now == "silent")) {
             entries.push_back({change.name, change.at, change.wall_time});
         }

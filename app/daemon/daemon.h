@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "app/appliance/appliance.h"
-#include "app/changes/change_book.h"
+#include "app/changes/change_journal.h"
 #include "app/daemon/daemon_sockets.h"
 #include "app/daemon/preparation.h"
 #include "app/daemon/service_notify.h"
@@ -139,7 +139,7 @@ class Daemon {
     bool has_started_ = false;
     /// That of the configuration before, until it has written what is pending.
     std::unique_ptr<FlightRecorder> left_over_;
-    ChangeBook book_;
+    ChangeJournal journal_;
     ChangeLog change_log_;
     std::uint64_t recorded_ = 0;  ///< number of the newest change that the recorder knows
     std::unique_ptr<StateLog> log_;

@@ -68,7 +68,7 @@ void DaemonSockets::add_telling(ControlServer& server) {
     server.add("histograms", [this](auto) { return histograms(); });
 }
 
-void DaemonSockets::show(const Appliance& appliance, ChangeBook& changes) {
+void DaemonSockets::show(const Appliance& appliance, ChangeJournal& changes) {
     appliance_ = &appliance;
     changes_ = &changes;
     keeper_.emplace(appliance, started_);

@@ -9,7 +9,7 @@
 #include <tl/expected.hpp>
 
 #include "app/appliance/appliance.h"
-#include "app/changes/change_book.h"
+#include "app/changes/change_journal.h"
 #include "app/daemon/control_server.h"
 #include "app/status/status.h"
 #include "core/time.h"
@@ -37,7 +37,7 @@ class DaemonSockets {
 
     /// From now on it shows `appliance` and its changes, which must live until the next `show` or
     /// `hide`.
-    void show(const Appliance& appliance, ChangeBook& changes);
+    void show(const Appliance& appliance, ChangeJournal& changes);
     /// Call it when no appliance runs any more.
     void hide() { keeper_.reset(); }
     /// Nothing while no configuration is on trial.
@@ -76,7 +76,7 @@ class DaemonSockets {
 
     Instant started_;
     const Appliance* appliance_ = nullptr;
-    ChangeBook* changes_ = nullptr;
+    ChangeJournal* changes_ = nullptr;
     std::optional<StatusKeeper> keeper_;
     std::optional<ShownTrial> trial_;
     std::string fingerprint_;  ///< of the configuration that runs; empty until somebody asks

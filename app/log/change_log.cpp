@@ -48,7 +48,7 @@ void ChangeLog::hold(const ToldChange& change, Memory& memory) {
         return;
     }
     // The line of the output that waits for it says what it lacks.
-    if (change.now == "unproved" && !memory.held) {
+    if (change.part == "input" && change.now == "unproved" && !memory.held) {
         memory.lost_at = kNever;
         return;
     }
@@ -93,7 +93,7 @@ void ChangeLog::log_held(Memory& memory) {
     log_at(change.level, "{}{}", line_of(change), note_of(*held));
 }
 
-void ChangeLog::look(const ChangeBook& changes, Instant now) {
+void ChangeLog::look(const ChangeJournal& changes, Instant now) {
     const auto log_if_it_may = [now](Memory& memory) {
         if (memory.held && memory.limit.pass(now)) {
             log_held(memory);

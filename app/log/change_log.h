@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "app/changes/change_book.h"
+#include "app/changes/change_journal.h"
 #include "app/changes/told_change.h"
 #include "app/journal/log_limit.h"
 #include "core/rate_limit.h"
@@ -22,7 +22,7 @@ namespace tribus {
 class ChangeLog {
   public:
     /// Logs the changes since the last call. Call it a few times a second.
-    void look(const ChangeBook& changes, Instant now);
+    void look(const ChangeJournal& changes, Instant now);
     /// Logs at once what waits for its turn: the parts may have other names from now on, or there
     /// is no later.
     void flush();

@@ -14,6 +14,7 @@
 
 #include "app/client/status_fields.h"
 #include "app/status/fields.h"
+#include "app/status/status.h"
 
 namespace tribus::mqtt {
 namespace {
@@ -156,8 +157,7 @@ bool has_new_figures(const Json& status) {
 }
 
 bool is_told(const Json& value) {
-    const std::string name = raw_text(value, "name");
-    return number(value, "age_us") && !name.starts_with("input.") && !name.starts_with("output.");
+    return number(value, "age_us") && !is_of_part(raw_text(value, "name"));
 }
 
 std::string status_payload(const Json& status) {

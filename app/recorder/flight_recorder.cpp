@@ -269,8 +269,11 @@ RecordingOrder FlightRecorder::order(const Event& event, Duration wall_offset) c
     return order_for(config_, directory_, plan_, event, wall_offset);
 }
 
-void FlightRecorder::note_failsafes(std::span<const FailsafeEntry> entries) {
-    if (entries.empty() || !config_.on_failsafe || failsafe_ || entries.front().at < quiet_until_) {
+void FlightRecorder::note_failsafes(std::span<const FailsafeEntry> all) {
+    const auto first = std::ranges::find_if(
+        all, [this](const FailsafeEntry& entry) { return entry.at >= quiet_until_; });
+    const std::span entries(first, all.end());
+    if (entries.empty() || !config_.on_failsafe || failsafe_) {
         return;
     }
     std::set<std::string> names;

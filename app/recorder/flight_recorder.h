@@ -100,7 +100,7 @@ class FlightRecorder {
     RecordingOrder order(const Event& event, Duration wall_offset) const;
     void write_left(Instant now, Duration wall_now, DiskPatience patience);
     bool pending() const { return job_ || failsafe_ || request_; }
-    void note_failsafes(std::span<const FailsafeEntry> entries);
+    void note_failsafes(std::span<const FailsafeEntry> all);
     void begin(const Event& event, Instant now, Duration wall_now);
     void end_job();
     void retire(std::unique_ptr<PortRing> port_ring);

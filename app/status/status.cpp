@@ -95,6 +95,10 @@ std::string name_of(const StatusReport& report) {
     return std::filesystem::path(report.configuration->file).stem().string();
 }
 
+bool is_of_part(std::string_view name) {
+    return name.starts_with("input.") || name.starts_with("output.");
+}
+
 bool is_fresh(const ValueReport& value, Instant now) {
     const Duration lasts = value.value.lasts;
     return value.status.available && (lasts == kForever || now - value.status.at <= lasts);

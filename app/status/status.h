@@ -54,6 +54,8 @@ struct ValueReport {
     ValueStatus status;
 };
 
+/// Whether tribus makes the value of that name of an input or output, which is told anyway.
+bool is_of_part(std::string_view name);
 /// Whether its number says something about `now`.
 bool is_fresh(const ValueReport& value, Instant now);
 

@@ -125,6 +125,8 @@ class StatusWatch {
         } else if (old != figures_old_) {
             read = print_daemon("figures_old", old,
                                 old ? "stands still: nothing is known about now" : "goes on");
+            // The summary before it said "unknown" of everything, perhaps.
+            read = read && (old || print_whole(options_, latest_));
         }
         figures_old_ = old;
         return read ? std::nullopt : std::optional(kExitFine);

@@ -64,7 +64,7 @@ class SocketsOfADaemon : public testing::Test {
     FarEnd servos_{folder_ / "servos"};
     LogInMemory logged_{"%v"};
     std::unique_ptr<Appliance> appliance_;
-    ChangeBook changes_;
+    ChangeJournal changes_;
     std::unique_ptr<DaemonSockets> sockets_;
 };
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "app/appliance/appliance.h"
-#include "app/changes/change_book.h"
+#include "app/changes/change_journal.h"
 #include "app/log/change_log.h"
 #include "app/log/state_log.h"
 #include "config/build/carry_over.h"
@@ -40,10 +40,10 @@ class Teller {
         log_ = std::move(log);
         is_successor_ = true;
     }
-    const ChangeBook& changes() const { return changes_; }
+    const ChangeJournal& changes() const { return changes_; }
 
   private:
-    ChangeBook changes_;
+    ChangeJournal changes_;
     ChangeLog change_log_;
     std::unique_ptr<StateLog> log_;
     bool is_successor_ = false;

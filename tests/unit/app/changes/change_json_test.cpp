@@ -25,12 +25,12 @@ ToldChange hold() {
             .state = "hold",
             .kind = "output"};
 }
-json answer(const ChangeBook& changes, const std::string& since) {
+json answer(const ChangeJournal& changes, const std::string& since) {
     return json::parse(changes_json(changes, std::array{since}));
 }
 
 TEST(ChangesAnswer, HasEachChangeWithItsSentence) {
-    ChangeBook changes;
+    ChangeJournal changes;
     changes.add(hold());
     EXPECT_EQ(changes_json(changes, {}),
               R"({"type":"changes","newest":1,"lost":0,"changes":[{"type":"change","number":1,)"
@@ -41,7 +41,7 @@ TEST(ChangesAnswer, HasEachChangeWithItsSentence) {
 }
 
 TEST(ChangesAnswer, BeginsBehindTheNumberThatTheReaderHas) {
-    ChangeBook changes;
+    ChangeJournal changes;
     for (int i = 0; i < 3; ++i) {
         changes.add(hold());
     }
@@ -52,7 +52,7 @@ TEST(ChangesAnswer, BeginsBehindTheNumberThatTheReaderHas) {
 
 /// An answer fits into the memory that a client may hold.
 TEST(ChangesAnswer, HasAtMostAHundredAndSaysThatThereAreMore) {
-    ChangeBook changes;
+    ChangeJournal changes;
     for (int i = 0; i < 250; ++i) {
         changes.add(hold());
     }
@@ -63,8 +63,8 @@ TEST(ChangesAnswer, HasAtMostAHundredAndSaysThatThereAreMore) {
 }
 
 TEST(ChangesAnswer, SaysHowManyAreNoLongerKept) {
-    ChangeBook changes;
-    for (std::size_t i = 0; i < ChangeBook::kChanges + 5; ++i) {
+    ChangeJournal changes;
+    for (std::size_t i = 0; i < ChangeJournal::kChanges + 5; ++i) {
         changes.add(hold());
     }
     EXPECT_EQ(answer(changes, "0")["lost"], 5);
@@ -74,7 +74,7 @@ TEST(ChangesAnswer, SaysHowManyAreNoLongerKept) {
 }
 
 TEST(ChangesAnswer, RefusesWhatIsNoNumberThatThereWas) {
-    ChangeBook changes;
+    ChangeJournal changes;
     changes.add(hold());
     for (const char* words : {"2", "-1", "x", "1x", "", "99999999999999999999"}) {
         EXPECT_EQ(answer(changes, words)["type"], "error") << words;

@@ -40,7 +40,7 @@ class ChangeLogTest : public testing::Test {
         return logged_.take_lines([](const std::string& /*line*/) { return true; });
     }
 
-    ChangeBook changes_;
+    ChangeJournal changes_;
 
   private:
     void look_until(Instant until) {
@@ -109,6 +109,19 @@ TEST_F(ChangeLogTest, SaysAtTheEndWhatHadNoLineLeft) {
     EXPECT_EQ(said_by_flush(),
               "info input receiver: good (1 change before this not logged: 1 loss of 100 to 100 ms "
               "in 0.1 s)\n");
+}
+
+TEST_F(ChangeLogTest, SaysThatAnInputWithTheNameOfAStateHasTakenOver) {
+    changes_.add({.at = Instant(1s),
+                  .part = "output",
+                  .name = "servos",
+                  .field = "input",
+                  .was = "main",
+                  .now = "unproved",
+                  .text = "under control of unproved",
+                  .level = LogLevel::info,
+                  .kind = "output"});
+    EXPECT_EQ(said_until(Instant(2s)), "info output servos: under control of unproved\n");
 }
 
 TEST_F(ChangeLogTest, DoesNotRepeatASentence) {

@@ -22,7 +22,7 @@ namespace tribus {
 /// The latest changes of state of all parts, each once and with its sentence: log, sockets and
 /// recorder read them by their number. Changes of inputs and outputs are those that the data thread
 /// wrote at their moment; the other parts are looked at by `look`. Thread-bound to the main thread.
-class ChangeBook {
+class ChangeJournal {
   public:
     /// So many are kept.
     static constexpr std::size_t kChanges = 1024;
@@ -76,6 +76,8 @@ class ChangeBook {
     void add_output(const Change& change, const Appliance* appliance, Wall wall);
     void look_at_waits(const Appliance& appliance, Wall wall);
     void look_at_others(const Appliance& appliance, Wall wall);
+    ToldChange of_output(std::size_t output, Instant at, const OutputState& state, bool sends,
+                         Wall wall) const;
     std::string text_of(const Change& change, const Appliance* appliance) const;
     void tell_renamed(std::size_t output, const std::string& was, const OutputStatus& status,
                       Wall wall);

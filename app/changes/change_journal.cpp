@@ -1,4 +1,4 @@
-#include "app/changes/change_book.h"
+#include "app/changes/change_journal.h"
 
 #include <algorithm>
 
@@ -26,11 +26,6 @@ Instant published_at(const Change& change, const Appliance& appliance) {
                                               : appliance.output_status(change.index).at;
 }
 
-/// Values that tribus makes of its inputs and outputs are told with these.
-bool is_own(const std::string& name) {
-    return name.starts_with("input.") || name.starts_with("output.");
-}
-
 }  // namespace
 
 std::string line_of(const ToldChange& change) {
@@ -38,7 +33,7 @@ std::string line_of(const ToldChange& change) {
                        change.text);
 }
 
-void ChangeBook::add(ToldChange change) {
+void ChangeJournal::add(ToldChange change) {
     change.number = ++newest_;
     changes_.push_back(std::move(change));
     if (changes_.size() > kChanges) {
@@ -47,7 +42,7 @@ void ChangeBook::add(ToldChange change) {
 }
 
 /// Adds the change if its word is another one than before.
-void ChangeBook::note(ToldChange change, Wall wall) {
+void ChangeJournal::note(ToldChange change, Wall wall) {
     std::string& word = words_[{change.part, change.name}];
     if (word == change.now) {
         return;
@@ -59,8 +54,8 @@ void ChangeBook::note(ToldChange change, Wall wall) {
     add(std::move(change));
 }
 
-void ChangeBook::add(std::span<const Appliance::DeviceEvent> events, Instant now,
-                     Duration wall_now) {
+void ChangeJournal::add(std::span<const Appliance::DeviceEvent> events, Instant now,
+                        Duration wall_now) {
     // A device that was gone and is back within one round is told as gone, too.
     for (const Appliance::DeviceEvent& event : events) {
         const bool first = event.back && never_there_.erase(event.name) > 0;
@@ -76,10 +71,10 @@ void ChangeBook::add(std::span<const Appliance::DeviceEvent> events, Instant now
     }
 }
 
-void ChangeBook::look(const Appliance& appliance, Instant now, Duration wall_now) {
+void ChangeJournal::look(const Appliance& appliance, Instant now, Duration wall_now) {
     const Wall wall{now, wall_now};
     take(appliance.changes(), appliance.changes().newest(), &appliance, wall);
-    // What an output waits for may be over with a change that is not published yet.
+    // A change that is not published yet may end the wait of an output.
     if (taken_ == appliance.changes().newest()) {
         look_at_waits(appliance, wall);
     }
@@ -88,8 +83,8 @@ void ChangeBook::look(const Appliance& appliance, Instant now, Duration wall_now
 
 /// A change that is newer than the published figures of its part waits for the next ones, which say
 /// more of it.
-void ChangeBook::take(const ChangeRing& ring, std::uint64_t newest, const Appliance* appliance,
-                      Wall wall) {
+void ChangeJournal::take(const ChangeRing& ring, std::uint64_t newest, const Appliance* appliance,
+                         Wall wall) {
     for (; taken_ < newest; ++taken_) {
         const auto change = ring.read(taken_ + 1);
         if (!change) {
@@ -106,7 +101,7 @@ void ChangeBook::take(const ChangeRing& ring, std::uint64_t newest, const Applia
     tell_lost(wall.now, wall);
 }
 
-void ChangeBook::tell_lost(Instant at, Wall wall) {
+void ChangeJournal::tell_lost(Instant at, Wall wall) {
     if (const std::uint64_t lost = std::exchange(lost_, 0)) {
         add({.at = at,
              .wall_time = wall.at(at),
@@ -119,14 +114,14 @@ void ChangeBook::tell_lost(Instant at, Wall wall) {
     }
 }
 
-/// What the last change of the part said; after a stop or a loss of changes the engine may know
-/// better, but a reader does not.
-std::string ChangeBook::word_before(const ToldChange& change) {
+/// Returns the word of the part's last change, and remembers that of this one. After a stop or a
+/// loss of changes the engine may know another one, but a reader does not.
+std::string ChangeJournal::word_before(const ToldChange& change) {
     const auto [word, first] = words_.try_emplace({change.part, change.name}, change.was);
     return std::exchange(word->second, change.now);
 }
 
-void ChangeBook::add_input(const Change& change, const Appliance* appliance, Wall wall) {
+void ChangeJournal::add_input(const Change& change, const Appliance* appliance, Wall wall) {
     const LinkState& link = change.now.link;
     InputStatus status{};
     if (appliance != nullptr && appliance->input_status(change.index).state.cause == link.cause) {
@@ -148,8 +143,8 @@ void ChangeBook::add_input(const Change& change, const Appliance* appliance, Wal
 }
 
 /// "; outvoted by the others: backup", or that its inputs agree again. Bits as in `OutputState`.
-std::string ChangeBook::votes_text(std::size_t output, std::uint32_t before,
-                                   std::uint32_t now) const {
+std::string ChangeJournal::votes_text(std::size_t output, std::uint32_t before,
+                                      std::uint32_t now) const {
     std::string names;
     for (std::size_t place = 0; place < inputs_of_[output].size(); ++place) {
         if ((now >> place & 1U) != 0) {
@@ -163,7 +158,7 @@ std::string ChangeBook::votes_text(std::size_t output, std::uint32_t before,
 }
 
 /// The newest state of an output is told with what it waits for.
-std::string ChangeBook::text_of(const Change& change, const Appliance* appliance) const {
+std::string ChangeJournal::text_of(const Change& change, const Appliance* appliance) const {
     const OutputState& state = change.now.output;
     const OutputStatus status =
         appliance == nullptr ? OutputStatus{} : appliance->output_status(change.index);
@@ -172,21 +167,26 @@ std::string ChangeBook::text_of(const Change& change, const Appliance* appliance
            votes_text(change.index, change.was.output.outvoted, state.outvoted);
 }
 
-void ChangeBook::add_output(const Change& change, const Appliance* appliance, Wall wall) {
+/// All but words and sentence of a change of an output that is in this state then.
+ToldChange ChangeJournal::of_output(std::size_t output, Instant at, const OutputState& state,
+                                    bool sends, Wall wall) const {
+    return {.at = at,
+            .wall_time = wall.at(at),
+            .part = "output",
+            .name = output_names_[output],
+            .field = "state",
+            .state = output_state_word(state.stage, sends),
+            .input = name_of_input(state.input, input_names_),
+            .level = is_fine(state) ? LogLevel::info : LogLevel::warning,
+            .kind = "output"};
+}
+
+void ChangeJournal::add_output(const Change& change, const Appliance* appliance, Wall wall) {
     const OutputState& state = change.now.output;
-    ToldChange told{
-        .at = change.at,
-        .wall_time = wall.at(change.at),
-        .part = "output",
-        .name = output_names_[change.index],
-        .field = "state",
-        .was = std::string(output_state_word(change.was.output.stage, change.was.sends)),
-        .now = std::string(output_state_word(state.stage, change.now.sends)),
-        .text = text_of(change, appliance),
-        .state = output_state_word(state.stage, change.now.sends),
-        .input = name_of_input(state.input, input_names_),
-        .level = is_fine(state) ? LogLevel::info : LogLevel::warning,
-        .kind = "output"};
+    ToldChange told = of_output(change.index, change.at, state, change.now.sends, wall);
+    told.was = output_state_word(change.was.output.stage, change.was.sends);
+    told.now = told.state;
+    told.text = text_of(change, appliance);
     OutputMemory& memory = outputs_[change.index];
     memory.changed = true;
     memory.waits = true;
@@ -208,8 +208,8 @@ void ChangeBook::add_output(const Change& change, const Appliance* appliance, Wa
     add(std::move(told));
 }
 
-/// What an output waits for while its state stays the same.
-void ChangeBook::look_at_waits(const Appliance& appliance, Wall wall) {
+/// Tells another wait of an output whose state stays the same.
+void ChangeJournal::look_at_waits(const Appliance& appliance, Wall wall) {
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
         OutputMemory& memory = outputs_[i];
         if (!memory.waits) {
@@ -229,22 +229,17 @@ void ChangeBook::look_at_waits(const Appliance& appliance, Wall wall) {
             std::exchange(memory.waits_for, wait_text(status.state, status.wait, input_names_));
         if (!changed && !key.empty()) {
             memory.text = "waits for " + memory.waits_for;
-            add({.at = wall.now,
-                 .wall_time = wall.wall_now,
-                 .part = "output",
-                 .name = output_names_[i],
-                 .field = "waits_for",
-                 .was = was,
-                 .now = memory.waits_for,
-                 .text = memory.text,
-                 .state = output_state_word(status.state.stage, status.sends),
-                 .level = LogLevel::warning,
-                 .kind = "output"});
+            ToldChange told = of_output(i, wall.now, status.state, status.sends, wall);
+            told.field = "waits_for";
+            told.was = was;
+            told.now = memory.waits_for;
+            told.text = memory.text;
+            add(std::move(told));
         }
     }
 }
 
-void ChangeBook::look_at_others(const Appliance& appliance, Wall wall) {
+void ChangeJournal::look_at_others(const Appliance& appliance, Wall wall) {
     for (std::size_t port = 0; port < appliance.ports().size(); ++port) {
         const PortConfig& config = appliance.ports()[port].config;
         if (config.medium->shape != WireShape::can_frames || !appliance.port_present(port)) {
@@ -273,7 +268,7 @@ void ChangeBook::look_at_others(const Appliance& appliance, Wall wall) {
     }
     for (std::size_t value = 0; value < appliance.value_count(); ++value) {
         const ValueReport report{appliance.value(value), appliance.value_status(value)};
-        if (!report.status.ever || is_own(report.value.name)) {
+        if (!report.status.ever || is_of_part(report.value.name)) {
             continue;
         }
         const std::string word = is_fresh(report, wall.now) ? "fresh" : "stale";
@@ -287,7 +282,7 @@ void ChangeBook::look_at_others(const Appliance& appliance, Wall wall) {
     }
 }
 
-std::vector<ToldChange> ChangeBook::since(std::uint64_t number, std::size_t most) const {
+std::vector<ToldChange> ChangeJournal::since(std::uint64_t number, std::size_t most) const {
     const std::uint64_t first = std::max(number + 1, oldest());
     std::vector<ToldChange> found;
     for (std::uint64_t next = first; next <= newest_ && found.size() < most; ++next) {

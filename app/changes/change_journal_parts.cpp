@@ -2,7 +2,7 @@
 #include <map>
 #include <utility>
 
-#include "app/changes/change_book.h"
+#include "app/changes/change_journal.h"
 #include "app/state_text/cause_text.h"
 #include "app/state_text/part_text.h"
 #include "config/build/dronecan.h"
@@ -10,7 +10,7 @@
 /// The parts of the present configuration, and what a change of it means for them.
 namespace tribus {
 
-void ChangeBook::take_names(const Appliance& appliance) {
+void ChangeJournal::take_names(const Appliance& appliance) {
     const Configuration& configuration = appliance.configuration();
     input_names_.clear();
     for (const InputConfig& input : configuration.inputs) {
@@ -41,7 +41,7 @@ void ChangeBook::take_names(const Appliance& appliance) {
     }
 }
 
-void ChangeBook::begin(const Appliance& appliance, Instant now, Duration wall_now) {
+void ChangeJournal::begin(const Appliance& appliance, Instant now, Duration wall_now) {
     std::erase_if(words_, [](const auto& word) {
         return word.first.first != "input" && word.first.first != "output";
     });
@@ -57,7 +57,7 @@ void ChangeBook::begin(const Appliance& appliance, Instant now, Duration wall_no
 }
 
 /// Inputs and outputs that go on after a stop begin anew.
-void ChangeBook::tell_restarted(Wall wall) {
+void ChangeJournal::tell_restarted(Wall wall) {
     const auto tell = [&](std::string_view part, const std::string& name, std::string_view word,
                           std::string text) {
         const auto known = words_.find({part, name});
@@ -84,8 +84,8 @@ void ChangeBook::tell_restarted(Wall wall) {
     }
 }
 
-void ChangeBook::go_on_with(const Appliance& appliance, const CarryOver& carry_over, Instant now,
-                            Duration wall_now) {
+void ChangeJournal::go_on_with(const Appliance& appliance, const CarryOver& carry_over, Instant now,
+                               Duration wall_now) {
     const Wall wall{now, wall_now};
     const std::vector<std::string> inputs_before = input_names_;
     const std::vector<std::string> outputs_before = output_names_;
@@ -129,24 +129,18 @@ void ChangeBook::go_on_with(const Appliance& appliance, const CarryOver& carry_o
 }
 
 /// The input in control has another name now.
-void ChangeBook::tell_renamed(std::size_t output, const std::string& was,
-                              const OutputStatus& status, Wall wall) {
+void ChangeJournal::tell_renamed(std::size_t output, const std::string& was,
+                                 const OutputStatus& status, Wall wall) {
     OutputMemory& memory = outputs_[output];
     memory.text = output_sentence(status.state, status.wait, input_names_) +
                   votes_text(output, 0, status.state.outvoted);
-    const std::string_view state = output_state_word(status.state.stage, status.sends);
-    add({.at = wall.now,
-         .wall_time = wall.wall_now,
-         .part = "output",
-         .name = output_names_[output],
-         .field = "input",
-         .was = was,
-         .now = memory.input,
-         .text = memory.text,
-         .state = state,
-         .input = memory.input,
-         .level = is_fine(status.state) ? LogLevel::info : LogLevel::warning,
-         .kind = "output"});
+    ToldChange told = of_output(output, wall.now, status.state, status.sends, wall);
+    told.field = "input";
+    told.was = was;
+    told.now = memory.input;
+    told.text = memory.text;
+    told.input = memory.input;
+    add(std::move(told));
 }
 
 }  // namespace tribus
