@@ -21,4 +21,13 @@ bool write_all(int descriptor, std::string_view text);
 tl::expected<void, std::string> replace_file(const std::filesystem::path& file,
                                              std::string_view text, mode_t usual);
 
+/// Its two halves, for a file that one process writes and another one puts in place. The successor
+/// is a hidden file beside `file`, and on the disk when this returns.
+tl::expected<void, std::string> write_successor(const std::filesystem::path& file,
+                                                std::string_view text, mode_t usual);
+std::filesystem::path successor_of(const std::filesystem::path& file);
+/// The successor takes the place of the file, in one step.
+tl::expected<void, std::string> put_successor_in_place(const std::filesystem::path& file);
+void remove_successor(const std::filesystem::path& file);
+
 }  // namespace tribus

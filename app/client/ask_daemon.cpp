@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/client/control_socket.h"
+#include "app/client/parse_json.h"
 #include "app/client/status_fields.h"
 #include "pipelines/realtime/clock.h"
 
@@ -138,7 +139,7 @@ tl::expected<nlohmann::json, std::string> ask_daemon(const std::string& socket,
     if (!text) {
         return Refused(fmt::format("the daemon at {} {}", socket, text.error()));
     }
-    nlohmann::json answer = nlohmann::json::parse(*text, nullptr, false);
+    nlohmann::json answer = parse_json(*text);
     if (!answer.is_object()) {
         return Refused(fmt::format("the program at {} is not tribus", socket));
     }

@@ -39,6 +39,24 @@ bool SocketClient::receive(Instant now) {
     return true;
 }
 
+bool SocketClient::discard(Instant now) {
+    constexpr Duration kDiscardTime = std::chrono::seconds(2);
+    constexpr int kMostPieces = 4;
+    constexpr std::size_t kPieceBytes = std::size_t{16} * 1024;
+    if (discard_end_ == kNever) {
+        discard_end_ = later(now, kDiscardTime);
+        ::shutdown(descriptor_.get(), SHUT_WR);
+    }
+    std::array<char, kPieceBytes> piece;
+    for (int i = 0; i < kMostPieces; ++i) {
+        const ssize_t count = ::recv(descriptor_.get(), piece.data(), piece.size(), MSG_DONTWAIT);
+        if (count <= 0) {
+            return count < 0 && (errno == EAGAIN || errno == EINTR) && now < discard_end_;
+        }
+    }
+    return now < discard_end_;
+}
+
 std::optional<std::string> SocketClient::take_line() {
     const std::size_t end = received_.find('\n');
     if (end == std::string::npos) {

@@ -56,6 +56,14 @@ class SocketClient {
     bool has_read_all() const;
     /// The connection ends after the present answer, or the one that it waits for.
     void close_when_sent() { closing_ = true; }
+    /// The same for a request of which more may come. That is discarded for a while: the kernel
+    /// would reset a connection with unread bytes, and the answer with it (RFC 9112, 9.6).
+    void close_when_sent_and_discard() { closing_ = discards_ = true; }
+    bool discards() const { return discards_; }
+    /// Discards some of what has come behind the last answer. False if no more will.
+    bool discard(Instant now);
+    /// Until when `discard` is of use; `kNever` before its first call.
+    Instant discard_end() const { return discard_end_; }
     /// The answer comes later, as soon as `answer` returns one. No further request is handled
     /// before.
     void wait_for(std::function<std::optional<std::string>()> answer) {
@@ -100,6 +108,8 @@ class SocketClient {
     Source source_;
     bool ended_ = false;
     bool closing_ = false;
+    bool discards_ = false;
+    Instant discard_end_ = kNever;
     std::function<std::optional<std::string>()> answer_;
     Duration period_{};
     Instant next_{};

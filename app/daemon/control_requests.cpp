@@ -100,40 +100,40 @@ std::optional<std::string> why_no_trial(const Daemon& daemon, Words words) {
     return fmt::format("that trial is over; the present one is number {}", *trial);
 }
 
-/// While the file is read the trial may end, so it is looked for until the confirming has begun.
-ControlServer::LateAnswer confirm(Daemon& daemon, Words words) {
+using BeginEnd = std::optional<std::uint64_t> (Daemon::*)();
+
+/// Ends the trial. While another change is under way the trial may end, so it is looked for until
+/// this end has begun.
+ControlServer::LateAnswer end_trial(Daemon& daemon, Words words, BeginEnd begin,
+                                    std::string (*text)(const ReloadOutcome&)) {
     std::vector<std::string> named(words.begin(), words.end());
     if (named.empty() && daemon.runs() && daemon.trial()) {
         // The present one, not one that begins while this waits.
         named.push_back(std::to_string(*daemon.trial()));
     }
-    return [&daemon, named = std::move(named),
+    return [&daemon, named = std::move(named), begin, text,
             change = std::optional<std::uint64_t>()]() mutable -> std::optional<std::string> {
         if (!change) {
             if (const auto why = why_no_trial(daemon, named)) {
                 return error_object(*why);
             }
-            change = daemon.begin_confirming();
+            change = (daemon.*begin)();
         }
-        return outcome_of(daemon, change, confirmed_text);
+        return outcome_of(daemon, change, text);
     };
-}
-
-ControlServer::LateAnswer go_back(Daemon& daemon, Words words) {
-    if (const auto why = why_no_trial(daemon, words)) {
-        return known(error_object(*why));
-    }
-    const std::uint64_t change = daemon.begin_going_back();
-    return [&daemon, change] { return outcome_of(daemon, change); };
 }
 
 }  // namespace
 
 void add_control_requests(ControlServer& control, Daemon& daemon) {
     control.add_late("reload", [&daemon](Words words) { return reload(daemon, words); });
-    control.add_late("back", [&daemon](Words words) { return go_back(daemon, words); });
+    control.add_late("back", [&daemon](Words words) {
+        return end_trial(daemon, words, &Daemon::begin_going_back, outcome_text);
+    });
     control.add("draft", [&daemon](Words) { return make_draft_folder(daemon.draft_file()); });
-    control.add_late("confirm", [&daemon](Words words) { return confirm(daemon, words); });
+    control.add_late("confirm", [&daemon](Words words) {
+        return end_trial(daemon, words, &Daemon::begin_confirming, confirmed_text);
+    });
     add_telling_requests(control, daemon);
 }
 

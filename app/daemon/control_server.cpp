@@ -86,7 +86,7 @@ bool ControlServer::answer(SocketClient& client, Instant now) {
         }
     }
     if (client.ready() && client.request_too_long()) {
-        client.close_when_sent();
+        client.close_when_sent_and_discard();
         return client.send(error_object("a request must have at most 255 bytes") + "\n", now);
     }
     return true;

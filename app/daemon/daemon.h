@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/appliance/appliance.h"
@@ -64,14 +65,14 @@ class Daemon {
     /// Number of the trial, if a configuration is on trial. Each trial has its own number.
     std::optional<std::uint64_t> trial() const;
     /// Begins to end the trial, whose configuration stays. If it is that of a draft, another thread
-    /// reads the file first: unless the file has the same text the trial goes on, and the outcome
-    /// says why. Only while one is on trial. Returns the number of the change, or nothing while
-    /// another change is under way.
+    /// first lets the file have its text (`Preparation::keeping`); if that fails the trial goes on,
+    /// and the outcome says why. Only while one is on trial. Returns the number of the change, or
+    /// nothing while another change is under way.
     std::optional<std::uint64_t> begin_confirming();
-    /// Begins to go back to the configuration before the trial. This also abandons a reload that is
+    /// Begins to go back to the configuration before the trial. This also abandons a change that is
     /// under way, and does not wait for missing devices. Only while a configuration is on trial.
-    /// Returns the number of the change.
-    std::uint64_t begin_going_back();
+    /// Returns the number of the change, or nothing while a draft is taking the place of the file.
+    std::optional<std::uint64_t> begin_going_back();
     /// Result of a change; nothing while it is under way.
     std::optional<ReloadOutcome> outcome_of(std::uint64_t change) const;
 
@@ -93,7 +94,7 @@ class Daemon {
         EpochFiles before_files;  ///< so that going back waits for no disk
         Instant end;
         std::uint64_t number = 0;
-        std::optional<std::string> draft{};  ///< its text; nothing if that was read from the file
+        std::optional<DraftToKeep> draft{};  ///< nothing if the text is that of the file
     };
     enum class ChangeKind : std::uint8_t { reload, hang_up, confirm, back };
     /// A change from one configuration to the next.
@@ -103,14 +104,18 @@ class Daemon {
         Instant latest_end{};
         std::optional<Duration> trial;
         bool of_draft = false;
+        bool is_decided = false;  ///< nobody can abandon it any more
         Configuration before;     ///< only for ChangeKind::back
         EpochFiles before_files;  ///< likewise
         std::unique_ptr<Preparation> preparation;
+
+        bool runs_to_its_end() const { return kind == ChangeKind::back || is_decided; }
     };
 
     bool start_or_log(std::unique_ptr<Appliance> built, Appliance::MissingDevices missing,
                       std::vector<std::string>& errors);
     std::uint64_t begin(Change change);
+    bool abandon_change(std::string_view why);
     void remember(std::uint64_t change, ReloadOutcome outcome);
     ReloadOutcome finish_reload(Change& change);
     ReloadOutcome finish_confirming(Change& change);

@@ -19,6 +19,7 @@ namespace {
 constexpr Duration kLongestReading = std::chrono::minutes(1);
 /// Least time from one reload by SIGHUP to the next.
 constexpr Duration kHangUpPause = std::chrono::milliseconds(100);
+constexpr std::string_view kWentBack = "abandoned: the daemon went back from the trial before it";
 /// Upper limit of the remembered outcomes.
 constexpr std::size_t kRememberedOutcomes = 16;
 
@@ -78,16 +79,16 @@ std::optional<std::uint64_t> Daemon::begin_confirming() {
                   .trial = {},
                   .before = {},
                   .before_files = {},
-                  .preparation = Preparation::of_text(path_)});
+                  .preparation = Preparation::keeping(*trial_->draft)});
 }
 
 /// The file must have the text of the draft, so that the next start runs the same.
 ReloadOutcome Daemon::finish_confirming(Change& change) {
-    const auto read = change.preparation->take();
-    if (!read) {
-        return {.lines = {format_mistake(read.error().front())}};
+    const auto kept = change.preparation->take();
+    if (!kept) {
+        return {.lines = {format_mistake(kept.error().front())}};
     }
-    if (read->text != trial_->draft) {
+    if (kept->text != trial_->draft->text) {
         return {
             .lines = {fmt::format("{} does not have the text of the draft that is on trial; write "
                                   "it there, then confirm",
@@ -97,10 +98,22 @@ ReloadOutcome Daemon::finish_confirming(Change& change) {
     return {.taken = true};
 }
 
-std::uint64_t Daemon::begin_going_back() {
+/// False while a draft takes the place of the file. Who asked for the change reads `why`.
+bool Daemon::abandon_change(std::string_view why) {
+    if (change_ && !change_->preparation->abandon()) {
+        change_->is_decided = true;
+        return false;
+    }
     if (change_) {
-        remember(change_->number,
-                 {.lines = {"abandoned: the daemon went back from the trial before it"}});
+        remember(change_->number, {.lines = {std::string(why)}});
+        change_.reset();
+    }
+    return true;
+}
+
+std::optional<std::uint64_t> Daemon::begin_going_back() {
+    if (!abandon_change(kWentBack)) {
+        return std::nullopt;
     }
     if (trial_->draft) {
         log_warning("going back to the configuration before, which {} still holds", path_);
@@ -128,8 +141,7 @@ std::optional<ReloadOutcome> Daemon::outcome_of(std::uint64_t change) const {
 Instant Daemon::due() const {
     const Instant trial_end = trial_ ? trial_->end : kNever;
     if (change_) {
-        return change_->kind == ChangeKind::back ? kNever
-                                                 : std::min(trial_end, change_->latest_end);
+        return change_->runs_to_its_end() ? kNever : std::min(trial_end, change_->latest_end);
     }
     return hung_up_ ? std::min(trial_end, next_hang_up_) : trial_end;
 }
@@ -142,15 +154,14 @@ void Daemon::go_on(Instant now) {
                                 : change.kind == ChangeKind::confirm ? finish_confirming(change)
                                                                      : finish_reload(change));
         next_hang_up_ = later(now, kHangUpPause);
-    } else if (change_ && change_->kind != ChangeKind::back && now >= change_->latest_end) {
-        const std::uint64_t number = change_->number;
-        const bool confirms = change_->kind == ChangeKind::confirm;
-        change_.reset();
+    } else if (change_ && !change_->runs_to_its_end() && now >= change_->latest_end) {
         const Mistake unread{path_, {}, "was not read within a minute", true};
-        remember(number,
-                 confirms ? ReloadOutcome{.lines = {format_mistake(unread)}} : refuse({unread}));
+        const bool reloads = change_->kind != ChangeKind::confirm;
+        if (abandon_change(format_mistake(unread)) && reloads) {
+            refuse({unread});
+        }
     }
-    if (trial_ && appliance_ && now >= trial_->end) {
+    if (trial_ && appliance_ && now >= trial_->end && abandon_change(kWentBack)) {
         log_warning("the trial was not confirmed");
         begin_going_back();
     }
@@ -200,7 +211,9 @@ ReloadOutcome Daemon::finish_reload(Change& change) {
                  std::chrono::ceil<std::chrono::seconds>(*change.trial).count());
         set_trial(Trial{std::move(before), std::move(before_files),
                         later(monotonic_now(), *change.trial), ++trials_,
-                        change.of_draft ? std::optional(std::move(fresh->text)) : std::nullopt});
+                        change.of_draft ? std::optional(DraftToKeep{path_, std::move(fresh->text),
+                                                                    std::move(fresh->file_text)})
+                                        : std::nullopt});
     } else if (trial_ && change.kind == ChangeKind::hang_up) {
         trial_->draft.reset();
         log_info("still on trial: SIGHUP does not confirm it");

@@ -6,8 +6,11 @@
 
 #include <atomic>
 #include <cstdint>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
+#include "app/cli/replace_file.h"
 #include "config/build/machine_mistakes.h"
 #include "config/load.h"
 #include "transports/links/start_thread.h"
@@ -21,6 +24,10 @@ constexpr std::size_t kPreparationStackBytes = std::size_t{1024} * 1024;
 
 std::atomic<int> preparations_running{0};
 
+tl::unexpected<std::vector<Mistake>> mistake(const std::string& file, std::string text) {
+    return tl::unexpected(std::vector{Mistake{file, {}, std::move(text), true}});
+}
+
 std::unique_ptr<Appliance> build_with_files(Configuration configuration) {
     auto built = Appliance::build(std::move(configuration));
     built->open_files();
@@ -30,13 +37,15 @@ std::unique_ptr<Appliance> build_with_files(Configuration configuration) {
 }  // namespace
 
 struct Preparation::Work {
-    std::function<Result()> prepare;
+    std::function<Result(Work&)> prepare;
     Result result = tl::unexpected(std::vector<Mistake>{});
     std::atomic<bool> done{false};
+    /// Set once: by the thread before a step that nobody can undo, or by who abandons the work.
+    std::atomic<bool> decided{false};
     UniqueFd event{::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)};
 
     void run() {
-        result = prepare();
+        result = prepare(*this);
         done.store(true, std::memory_order_release);
         const std::uint64_t one = 1;
         [[maybe_unused]] const ssize_t told = ::write(event.get(), &one, sizeof one);
@@ -51,7 +60,7 @@ void* Preparation::main(void* given) {
     return nullptr;
 }
 
-std::unique_ptr<Preparation> Preparation::begin(std::function<Result()> prepare) {
+std::unique_ptr<Preparation> Preparation::begin(std::function<Result(Work&)> prepare) {
     auto work = std::make_shared<Work>();
     work->prepare = std::move(prepare);
     auto own = std::make_unique<std::shared_ptr<Work>>(work);
@@ -81,7 +90,7 @@ Preparation::Result Preparation::appliance_of(std::string text, const std::strin
 }
 
 std::unique_ptr<Preparation> Preparation::of_file(const std::string& path) {
-    return begin([path]() -> Result {
+    return begin([path](Work&) -> Result {
         return read_configuration_text(path, FileKinds::regular).and_then([&](std::string text) {
             return appliance_of(std::move(text), path);
         });
@@ -90,23 +99,47 @@ std::unique_ptr<Preparation> Preparation::of_file(const std::string& path) {
 
 std::unique_ptr<Preparation> Preparation::of_draft(const std::string& draft,
                                                    const std::string& path) {
-    return begin([draft, path]() -> Result {
-        return read_configuration_text(draft, FileKinds::draft).and_then([&](std::string text) {
-            return appliance_of(std::move(text), path);
-        });
+    return begin([draft, path](Work&) -> Result {
+        auto prepared =
+            read_configuration_text(draft, FileKinds::draft).and_then([&](std::string text) {
+                return appliance_of(std::move(text), path);
+            });
+        if (auto present = read_configuration_text(path, FileKinds::regular); prepared && present) {
+            prepared->file_text = std::move(*present);
+        }
+        return prepared;
     });
 }
 
-std::unique_ptr<Preparation> Preparation::of_text(const std::string& path) {
-    return begin([path]() -> Result {
-        return read_configuration_text(path, FileKinds::regular).map([](std::string text) {
-            return Prepared{.appliance = nullptr, .text = std::move(text)};
-        });
+std::unique_ptr<Preparation> Preparation::keeping(DraftToKeep draft) {
+    return begin([draft = std::move(draft)](Work& work) -> Result {
+        auto present = read_configuration_text(draft.path, FileKinds::regular);
+        if (!present) {
+            return tl::unexpected(std::move(present.error()));
+        }
+        // A link stays; what it leads to is replaced.
+        std::error_code unresolved;
+        const auto resolved = std::filesystem::weakly_canonical(draft.path, unresolved);
+        const auto file = unresolved ? std::filesystem::path(draft.path) : resolved;
+        const auto successor = read_configuration_text(successor_of(file), FileKinds::draft);
+        if (*present == draft.text || !successor || *successor != draft.text) {
+            return Prepared{.appliance = nullptr, .text = std::move(*present)};
+        }
+        if (*present != draft.file_text) {
+            return mistake(draft.path, "was changed by another since the draft went on trial");
+        }
+        if (work.decided.exchange(true)) {
+            return mistake(draft.path, "is as before: the draft was abandoned");
+        }
+        if (auto placed = put_successor_in_place(file); !placed) {
+            return mistake(draft.path, "cannot be replaced by the draft: " + placed.error());
+        }
+        return Prepared{.appliance = nullptr, .text = draft.text};
     });
 }
 
 std::unique_ptr<Preparation> Preparation::of(const Configuration& configuration) {
-    return begin([configuration]() -> Result {
+    return begin([configuration](Work&) -> Result {
         return Prepared{.appliance = build_with_files(configuration), .text = {}};
     });
 }
@@ -115,6 +148,10 @@ Preparation::~Preparation() = default;
 
 int Preparation::descriptor() const {
     return work_->event.get();
+}
+
+bool Preparation::abandon() {
+    return !work_->decided.exchange(true);
 }
 
 bool Preparation::done() const {

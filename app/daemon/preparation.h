@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,15 @@ namespace tribus {
 struct Prepared {
     std::unique_ptr<Appliance> appliance;  ///< null if only a text was asked for
     std::string text;                      ///< as read; empty if none was
+    /// For a draft: the text of the file that it may replace; nothing if that cannot be read.
+    std::optional<std::string> file_text{};
+};
+
+/// A draft that somebody wants to keep.
+struct DraftToKeep {
+    std::string path;                      ///< of the configuration
+    std::string text;                      ///< of the draft
+    std::optional<std::string> file_text;  ///< that of the file when the draft went on trial
 };
 
 /// Reads a configuration, builds an appliance from it and opens its files on another thread, so
@@ -31,8 +41,11 @@ class Preparation {
     /// Reads the text of `draft` as if it stood in `path`. Follows no link: others than root may
     /// write drafts, and a message could show what the daemon may read and they may not.
     static std::unique_ptr<Preparation> of_draft(const std::string& draft, const std::string& path);
-    /// Only reads the text of the file as it is now.
-    static std::unique_ptr<Preparation> of_text(const std::string& path);
+    /// Lets the file have the text of the draft. If it has another one, its successor
+    /// (`write_successor`) takes its place, provided that it has the text of the draft: only who
+    /// may write there can have written it. The result is the text that the file has then. It is an
+    /// error if somebody changed the file since the draft went on trial.
+    static std::unique_ptr<Preparation> keeping(DraftToKeep draft);
     /// Builds an appliance from a configuration that was read before.
     static std::unique_ptr<Preparation> of(const Configuration& configuration);
     Preparation(const Preparation&) = delete;
@@ -43,6 +56,9 @@ class Preparation {
     /// Readable once `done` is true.
     int descriptor() const;
     bool done() const;
+    /// True if nothing will have changed: what has not been decided yet is abandoned. False once
+    /// the successor of a file may be taking its place, which ends soon.
+    bool abandon();
     /// The result. Call it once, when `done` is true.
     Result take();
 
@@ -54,7 +70,7 @@ class Preparation {
     struct Work;
     explicit Preparation(std::shared_ptr<Work> work) : work_(std::move(work)) {}
     static Result appliance_of(std::string text, const std::string& path);
-    static std::unique_ptr<Preparation> begin(std::function<Result()> prepare);
+    static std::unique_ptr<Preparation> begin(std::function<Result(Work&)> prepare);
     static void* main(void* given);
 
     std::shared_ptr<Work> work_;

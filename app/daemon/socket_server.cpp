@@ -49,7 +49,8 @@ Instant SocketServer::due() const {
 
 void SocketServer::watch(const SocketClient& client) {
     epoll_event event{};
-    const bool wants_more = client.ready() && !client.ended() && !client.request_too_long();
+    const bool wants_more =
+        client.ready() && !client.ended() && (client.discards() || !client.request_too_long());
     event.events = (wants_more ? EPOLLIN : 0U) | (client.ready() ? 0U : EPOLLOUT);
     if (::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, client.descriptor(), &event) != 0) {
         ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, client.descriptor(), &event);
@@ -118,6 +119,9 @@ Instant SocketServer::patience_end(const SocketClient& client) const {
     if (client.waits()) {
         return kNever;
     }
+    if (client.discard_end() != kNever) {
+        return client.discard_end();
+    }
     if (!client.ready() || client.repeats()) {
         return later(client.quiet_since(), limits_.unread);
     }
@@ -152,6 +156,9 @@ bool SocketServer::serve_client(SocketClient& client, Instant now) {
         client.passed(now);
     }
     const bool has_all = client.ended() && client.ready() && !client.waits();
+    if (client.done() && client.discards()) {
+        return client.discard(now);
+    }
     return !client.done() && !(has_all && !client.repeats());
 }
 

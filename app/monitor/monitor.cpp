@@ -22,6 +22,7 @@
 #include "app/cli/terminal.h"
 #include "app/client/ask_daemon.h"
 #include "app/client/monitor_link.h"
+#include "app/client/parse_json.h"
 #include "app/client/status_fields.h"
 #include "app/journal/print_error.h"
 #include "app/journal/terminal_stream.h"
@@ -106,7 +107,7 @@ class Monitor {
             if (options_.format == kJson && !print_line_now(line)) {
                 return kExitFine;
             }
-            auto object = nlohmann::json::parse(line, nullptr, false);
+            auto object = parse_json(line);
             if (status_fields::text(object, "type") == "error") {
                 return complain(status_fields::text(object, "error"), kExitFailed);
             }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "app/client/parse_json.h"
 #include "app/client/status_fields.h"
 
 namespace tribus::mqtt {
@@ -56,7 +57,7 @@ void BoardWatch::look(Instant now, std::chrono::microseconds wall_time) {
 }
 
 void BoardWatch::take(Daemon& daemon, const std::string& line, Instant now) {
-    auto object = nlohmann::json::parse(line, nullptr, false);
+    auto object = parse_json(line);
     const std::string type = status_fields::raw_text(object, "type");
     if (type == "status") {
         take_status(daemon, std::move(object), now);

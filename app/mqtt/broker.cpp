@@ -62,6 +62,9 @@ std::uint32_t seed_of(const std::string& client_id) {
 }
 
 std::string error_text(int result) {
+    if (result == MOSQ_ERR_NOMEM) {
+        return "it announces a message for which this program has no memory";
+    }
     return result == MOSQ_ERR_ERRNO ? std::strerror(errno) : mosquitto_strerror(result);
 }
 

@@ -3,10 +3,12 @@
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <climits>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -17,6 +19,7 @@
 #include "app/cli/complain.h"
 #include "app/cli/exit_status.h"
 #include "app/cli/main_wait.h"
+#include "app/cli/process_limit.h"
 #include "app/journal/log.h"
 #include "app/mqtt/board_watch.h"
 #include "app/mqtt/broker.h"
@@ -33,6 +36,9 @@ namespace {
 constexpr int kPlainPort = 1883;
 constexpr int kTlsPort = 8883;
 constexpr std::size_t kMostPasswordBytes = 256;
+/// As MemoryMax= of the service. The library takes whatever length a broker announces for a
+/// message; the build of the sanitizers needs more for itself.
+[[maybe_unused]] constexpr rlim_t kMostMemory = rlim_t{48} << 20U;
 /// As long as a host name of Linux may be.
 constexpr std::size_t kMostBoardBytes = HOST_NAME_MAX;
 constexpr Duration kLookPeriod = std::chrono::milliseconds(250);
@@ -181,6 +187,12 @@ int run(const MqttOptions& options) {
         broker_wanted->birth_topic = options.discovery + "/status";
         broker_wanted->discovery_topics = options.discovery + "/device/";
     }
+#ifndef TRIBUS_SANITIZED
+    if (!limit_process(RLIMIT_DATA, kMostMemory)) {
+        log_error("cannot limit its own memory: {}", std::strerror(errno));
+        return kExitFailed;
+    }
+#endif
     auto broker = Broker::start(std::move(*broker_wanted), outbox);
     if (!broker) {
         log_error("{}", broker.error());

@@ -21,6 +21,7 @@
 #include "app/client/ask_daemon.h"
 #include "app/client/change_reader.h"
 #include "app/client/monitor_link.h"
+#include "app/client/parse_json.h"
 #include "app/client/status_fields.h"
 #include "app/status_command/summary.h"
 #include "pipelines/realtime/clock.h"
@@ -82,7 +83,7 @@ class StatusWatch {
     /// Returns the exit status if the watch must end.
     std::optional<int> step() {
         for (const std::string& line : link_.read()) {
-            if (const auto end = take(nlohmann::json::parse(line, nullptr, false))) {
+            if (const auto end = take(parse_json(line))) {
                 return end;
             }
         }

@@ -279,6 +279,26 @@ class Refused(unittest.TestCase):
             self.assertIn(ran.returncode, (1, 2), options)
             self.assertIn(said, ran.stderr, options)
 
+    def test_a_broker_that_announces_256_mib_takes_no_memory(self):
+        with socket.create_server(("127.0.0.1", 0)) as hostile:
+            bridge = Bridge(self.folder, "--broker", f"127.0.0.1:{hostile.getsockname()[1]}")
+            self.addCleanup(bridge.stop)
+            hostile.settimeout(30)
+            for _ in range(2):
+                client, _ = hostile.accept()
+                with client:
+                    client.recv(1000)
+                    # CONNACK; PUBLISH with the longest remaining length (MQTT 3.1.1, 2.2.3).
+                    client.sendall(b"\x20\x02\x00\x00" + b"\x30\xff\xff\xff\x7f\x00\x01a")
+                    try:
+                        for _ in range(100):
+                            client.sendall(bytes(1_000_000))
+                    except OSError:
+                        pass
+                self.assertLess(bridge.memory_kib(), 20_000)
+            self.expect(bridge, "announces a message for which this program has no memory")
+            self.assertEqual(bridge.stop(), 0)
+
     def test_a_broker_that_never_answers_costs_little_and_holds_nothing_up(self):
         with socket.socket() as silent:
             silent.bind(("127.0.0.1", 0))

@@ -53,12 +53,17 @@ std::string BrowserAnswer::header(const std::string& name) const {
 
 BrowserAnswer Browser::post(const std::string& path, const nlohmann::json& body,
                             const std::map<std::string, std::string>& more) const {
+    return post_text(path, body.dump(), more);
+}
+
+BrowserAnswer Browser::post_text(const std::string& path, const std::string& body,
+                                 const std::map<std::string, std::string>& more) const {
     std::map<std::string, std::string> headers{
         {"Content-Type", "application/json"}, {"X-Tribus", "1"}, {"Origin", "http://" + host()}};
     for (const auto& [name, value] : more) {
         headers[name] = value;
     }
-    return ask("POST", path, body.dump(), headers);
+    return ask("POST", path, body, headers);
 }
 
 BrowserAnswer Browser::ask(const std::string& method, const std::string& path,

@@ -37,6 +37,9 @@ class Browser {
     /// As the page itself sends it.
     BrowserAnswer post(const std::string& path, const nlohmann::json& body,
                        const std::map<std::string, std::string>& more = {}) const;
+    /// The same with a body that may be no JSON.
+    BrowserAnswer post_text(const std::string& path, const std::string& body,
+                            const std::map<std::string, std::string>& more = {}) const;
     BrowserAnswer ask(const std::string& method, const std::string& path,
                       const std::optional<std::string>& body,
                       const std::map<std::string, std::string>& headers = {}) const;

@@ -2,13 +2,16 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <iterator>
 #include <string>
 #include <string_view>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "app/cli/replace_file.h"
 #include "app/client/ask_daemon.h"
 #include "tests/loopback/first_channel.h"
 
@@ -67,6 +70,62 @@ TEST_F(DraftOnTrial, IsConfirmedOnlyIfTheFileHasIt) {
     EXPECT_TRUE(said_by("status")["trial"].is_null());
     expect_first_channel(1900);
     expect_seamless_end(program);
+}
+
+/// Who can write the successor may write the file.
+TEST_F(DraftOnTrial, TakesThePlaceOfTheFileWithItsSuccessor) {
+    Program& program = begin_draft();
+    ASSERT_TRUE(write_successor(file_, draft_, 0644));
+    EXPECT_EQ(content(file_), before_);
+    EXPECT_EQ(said_by("confirm 1")["taken"], true);
+    EXPECT_EQ(content(file_), draft_);
+    EXPECT_FALSE(std::filesystem::exists(successor_of(file_)));
+    EXPECT_TRUE(said_by("status")["trial"].is_null());
+    expect_first_channel(1900);
+    expect_seamless_end(program);
+}
+
+TEST_F(DraftOnTrial, LeavesAFileThatSomebodyChangedMeanwhile) {
+    Program& program = begin_draft();
+    const std::string others = before_ + "# by hand\n";
+    std::ofstream(file_) << others;
+    ASSERT_TRUE(write_successor(file_, draft_, 0644));
+    EXPECT_EQ(said_by("confirm")["error"],
+              file_ + ": was changed by another since the draft went on trial");
+    EXPECT_EQ(content(file_), others);
+    EXPECT_EQ(said_by("status")["trial"], 1) << "it goes on";
+    expect_seamless_end(program);
+}
+
+TEST_F(DraftOnTrial, LeavesTheFileIfTheSuccessorHasAnotherText) {
+    Program& program = begin_draft();
+    ASSERT_TRUE(write_successor(file_, draft_ + "# more\n", 0644));
+    EXPECT_NE(said_by("confirm")["error"].get<std::string>().find("does not have the text"),
+              std::string::npos);
+    EXPECT_EQ(content(file_), before_);
+    expect_seamless_end(program);
+}
+
+/// Whenever the daemon dies, the file has one text or the other as a whole, and what it said holds.
+TEST_F(DraftOnTrial, IsKeptOrNotIfTheDaemonIsKilledWhileItKeeps) {
+    int kept = 0;
+    constexpr int kKills = 24;
+    for (int i = 0; i < kKills; ++i) {
+        Program& program = begin_draft();
+        ASSERT_TRUE(write_successor(file_, draft_, 0644));
+        auto answered = std::async(std::launch::async, [&] { return said_by("confirm 1"); });
+        std::this_thread::sleep_for(i * std::chrono::microseconds(150));
+        program.signal(SIGKILL);
+        const bool taken = answered.get().value("taken", false);
+        program.end();
+        EXPECT_TRUE(content(file_) == draft_ || (content(file_) == before_ && !taken))
+            << "killed after " << i * 150 << " us:\n"
+            << content(file_);
+        kept += content(file_) == draft_ ? 1 : 0;
+    }
+    RecordProperty("kept", kept);
+    EXPECT_GT(kept, 0);
+    EXPECT_LT(kept, kKills);
 }
 
 TEST_F(DraftOnTrial, IsNotConfirmedIfTheFileIsGone) {

@@ -3,10 +3,15 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <string>
+#include <string_view>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
+#include "app/cli/replace_file.h"
+#include "app/client/ask_daemon.h"
 #include "tests/loopback/recorded.h"
 
 /// Reloads while the disk of recordings and epoch files does not answer: nobody waits for it, and
@@ -111,6 +116,31 @@ TEST_F(HangingDisk, AReloadThatBringsTheRecorderBackFindsItAtWork) {
 }
 
 /// A second output, whose frames have numbers of a file.
+/// A draft that takes the place of its file is kept, however long the disk needs.
+TEST_F(HangingDisk, NobodyGoesBackFromADraftThatTakesThePlaceOfItsFile) {
+    const auto said_by = [&](std::string_view request) {
+        const auto answer = ask_daemon((runtime_.path() / "control").string(), request, kPatience);
+        return answer ? *answer : nlohmann::json{{"error", answer.error()}};
+    };
+    const std::string file = without_recorder("# draft\n");
+    const std::string draft = content(file);
+    Program& program = run_on_disk(without_recorder());
+    ASSERT_EQ(said_by("draft")["type"], "draft");
+    std::ofstream(runtime_.path() / "draft/draft.toml") << draft;
+    ASSERT_TRUE(said_by("reload draft 1s")["taken"]);
+    ASSERT_TRUE(write_successor(file, draft, 0644));
+    hang();
+    auto kept = std::async(std::launch::async, [&] { return said_by("confirm"); });
+    ASSERT_TRUE(eventually([&] { return !fs::exists(successor_of(file)); }));
+    auto back = std::async(std::launch::async, [&] { return said_by("back"); });
+    EXPECT_FALSE(eventually([&] { return count_of("going back", program.errors()) > 0; }, kAWhile));
+    answer();
+    EXPECT_EQ(kept.get()["taken"], true);
+    EXPECT_EQ(back.get()["error"], "no configuration is on trial");
+    EXPECT_EQ(content(file), draft);
+    expect_clean_end(program);
+}
+
 class HangingEpoch : public HangingDisk {
   protected:
     HangingEpoch() { write_key("boat.key", '7'); }

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "app/web/http/http.h"
 #include "tests/loopback/web.h"
 
 /// Browsers that take too much, and daemons that come and go, before the page's server.
@@ -13,6 +14,7 @@ namespace tribus::test::web_limits_test {
 namespace {
 
 using WebLimits = Web;
+using web::kLongestBody;
 
 /// The server has 16 places.
 TEST_F(WebLimits, ThirtyConnectionsThatAskNothingKeepNobodyOut) {
@@ -65,8 +67,43 @@ TEST_F(WebLimits, ADraftThatIsTooLongIsRefused) {
     run_daemon();
     serve();
     const Browser browser = paired();
-    EXPECT_EQ(post(browser, "check", {{"toml", std::string(200'000, '#')}}).status, 200);
-    EXPECT_EQ(post(browser, "check", {{"toml", std::string(300'000, '#')}}).status, 413);
+    EXPECT_EQ(post(browser, "check", {{"toml", std::string(60'000, '#')}}).status, 200);
+    EXPECT_EQ(post(browser, "check", {{"toml", std::string(70'000, '#')}}).status, 413);
+}
+
+/// It reads why, and the page of somebody else goes on.
+TEST_F(WebLimits, WhoSendsFourMegabytesReadsThatTheyAreTooMany) {
+    run_daemon();
+    serve();
+    const Browser browser = paired();
+    EventStream stream(browser, port_, api("stream") + "?rate=20");
+    ASSERT_TRUE(stream.next("status"));
+    const std::string body(4'000'000, ' ');
+    for (const std::string& cookie : {browser.cookie(), std::string("none=1")}) {
+        const std::string answer =
+            browser.raw("POST " + api("check") + " HTTP/1.1\r\nHost: " + browser.host() +
+                        "\r\nCookie: " + cookie +
+                        "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body);
+        EXPECT_EQ(answer.find("HTTP/1.1 413"), 0U) << answer;
+        EXPECT_NE(answer.find("longer than 64 KiB"), std::string::npos) << answer;
+    }
+    repeater_.send_if_due();
+    EXPECT_TRUE(stream.next("status"));
+}
+
+/// A copy of a deep tree needs a stack as deep, before anybody is known.
+TEST_F(WebLimits, DeepJsonIsRefusedAndEndsNoServer) {
+    run_daemon();
+    serve();
+    const Browser browser = paired();
+    const std::size_t deep = kLongestBody / 2 - 100;
+    const std::string nested = std::string(deep, '[') + std::string(deep, ']');
+    for (const std::string& body : {nested, R"({"toml": "a", "code": )" + nested + "}"}) {
+        for (const std::string& path : {std::string("/pair"), api("check"), api("draft")}) {
+            EXPECT_EQ(browser.post_text(path, body).status, 400) << path;
+        }
+    }
+    EXPECT_EQ(browser.get(api("status")).status, 200);
 }
 
 /// RFC 9112, 11.2: the rest of a request that was refused would be taken for the next one.

@@ -107,7 +107,8 @@ std::optional<std::string_view> comment_mark(const fs::path& file, const std::st
                                                  ".sh",    ".toml",   ".txt",  ".conf",  ".network",
                                                  ".link",  ".netdev", ".bash", ".fish",  ".ld"};
     const std::string extension = file.extension().string();
-    if (extension == ".h" || extension == ".cpp") {
+    static const std::set<std::string> with_slashes{".h", ".cpp", ".ts", ".tsx", ".mjs"};
+    if (with_slashes.contains(extension)) {
         return "//";
     }
     const bool hash = with_hash.contains(extension) || source.starts_with("#!");

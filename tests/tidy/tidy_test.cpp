@@ -37,10 +37,11 @@ std::vector<SourceLine> lines_of(const std::vector<std::string_view>& folders) {
             if (path.extension() != ".h" && path.extension() != ".cpp") {
                 continue;
             }
+            const std::string name = path.lexically_relative(root).string();
             std::ifstream file(path);
             std::string text;
             for (std::size_t number = 1; std::getline(file, text); ++number) {
-                lines.push_back({path.lexically_relative(root).string(), number, text});
+                lines.push_back({name, number, text});
             }
         }
     }
@@ -57,8 +58,9 @@ template <class IsWrong>
 void expect_none(const std::vector<SourceLine>& lines, std::string_view rule, IsWrong is_wrong) {
     ASSERT_FALSE(lines.empty());
     for (const SourceLine& line : lines) {
-        EXPECT_FALSE(is_wrong(line))
-            << line.file << ":" << line.number << ": " << rule << ": " << line.text;
+        if (is_wrong(line)) {
+            ADD_FAILURE() << line.file << ":" << line.number << ": " << rule << ": " << line.text;
+        }
     }
 }
 
@@ -123,23 +125,23 @@ void expect_rooms_in_order(const std::string& layer, std::string_view above, boo
         return std::ranges::find(rooms, room_of(file));
     };
     const std::regex include("#include \"(" + layer + "/.+)\"");
-    expect_none(
-        lines_of({layer}), "a CMakeLists.txt lists the rooms from the lowest",
-        [&](const SourceLine& line) {
-            std::smatch matched;
-            if (is_above(line.file)) {
-                return false;
-            }
-            if (!open && place_of(line.file) == rooms.end()) {
-                return true;
-            }
-            if (!line.text.starts_with('#') || !std::regex_match(line.text, matched, include)) {
-                return false;
-            }
-            const fs::path included = matched[1].str();
-            return is_above(included) || (room_of(included) != room_of(line.file) &&
-                                          place_of(included) >= place_of(line.file));
-        });
+    expect_none(lines_of({layer}), "a CMakeLists.txt lists the rooms from the lowest",
+                [&](const SourceLine& line) {
+                    std::smatch matched;
+                    const bool includes = line.text.starts_with("#include \"");
+                    if ((!includes && line.number != 1) || is_above(line.file)) {
+                        return false;
+                    }
+                    if (!open && place_of(line.file) == rooms.end()) {
+                        return true;
+                    }
+                    if (!includes || !std::regex_match(line.text, matched, include)) {
+                        return false;
+                    }
+                    const fs::path included = matched[1].str();
+                    return is_above(included) || (room_of(included) != room_of(line.file) &&
+                                                  place_of(included) >= place_of(line.file));
+                });
 }
 
 TEST(Tidy, ARoomIncludesOnlyRoomsBeforeItInTheList) {
@@ -180,6 +182,9 @@ TEST(Tidy, NamesOfTestsAreWordsThatBeginWithCapitals) {
 TEST(Tidy, NoLineIsLongerThan100Columns) {
     expect_none(lines_of({"core", "transports", "pipelines", "config", "app", "tests"}), "too long",
                 [](const SourceLine& line) {
+                    if (line.text.size() <= 100) {
+                        return false;
+                    }
                     // Continuation bytes of UTF-8 take no column of their own.
                     const auto columns =
                         std::count_if(line.text.begin(), line.text.end(), [](char byte) {

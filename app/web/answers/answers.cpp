@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "app/cli/object_text.h"
+#include "app/client/parse_json.h"
 #include "app/client/status_fields.h"
 #include "pipelines/realtime/clock.h"
 
@@ -12,7 +13,7 @@ namespace {
 
 /// Null if the body is no object, or has no such member.
 Json member(const std::string& body, const char* name) {
-    const Json json = Json::parse(body, nullptr, false);
+    const Json json = parse_json_as<Json>(body);
     const auto found = json.is_object() ? json.find(name) : json.end();
     return found == json.end() ? Json() : *found;
 }
@@ -30,7 +31,7 @@ HttpAnswer refused(int status, std::string_view why, bool keeps_open) {
 }
 
 HttpAnswer as_it_is(const std::string& json) {
-    const auto parsed = nlohmann::json::parse(json, nullptr, false);
+    const auto parsed = parse_json(json);
     if (!parsed.is_object()) {
         return refused(502, "the daemon did not answer with an object");
     }

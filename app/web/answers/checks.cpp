@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/client/parse_json.h"
 #include "app/client/status_fields.h"
 #include "app/inspect/diff.h"
 #include "app/inspect/graph_model.h"
@@ -45,7 +46,7 @@ tl::expected<Configuration, HttpAnswer> configuration_in(const std::string& runn
     if (answer.status != 200) {
         return tl::unexpected(std::move(answer));
     }
-    const auto json = nlohmann::json::parse(running, nullptr, false);
+    const auto json = parse_json(running);
     auto configuration = load_configuration(status_fields::raw_text(json, "toml"),
                                             status_fields::raw_text(json, "file"));
     if (!configuration) {
@@ -95,12 +96,10 @@ HttpAnswer difference_to(const std::string& running, const std::string& text, co
                             {"mistakes", mistakes_json(fresh.error())}});
     }
     const auto lines = lines_of(configuration_difference(*before, *fresh));
-    return json_answer(
-        {{"same", lines.empty()},
-         {"lines", lines},
-         {"outputs",
-          channels_changed_by(*before, *fresh, nlohmann::json::parse(status, nullptr, false))},
-         {"mistakes", Json::array()}});
+    return json_answer({{"same", lines.empty()},
+                        {"lines", lines},
+                        {"outputs", channels_changed_by(*before, *fresh, parse_json(status))},
+                        {"mistakes", Json::array()}});
 }
 
 HttpAnswer configuration_answer(const fs::path& file) {

@@ -77,7 +77,9 @@ std::optional<std::string> LineRequest::poll(Instant now) {
     if (line || (talk_.failed().empty() && now < end_)) {
         return line;
     }
-    return error_object(talk_.failed().empty() ? talk_.who() + " does not answer" : talk_.failed());
+    const std::string why =
+        talk_.failed().empty() ? talk_.who() + " does not answer" : talk_.failed();
+    return json_text({{"type", "error"}, {"error", why}, {"unanswered", true}});
 }
 
 DaemonWatch::DaemonWatch(const std::string& socket) : link_(socket, kPeriod) {}

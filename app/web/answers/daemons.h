@@ -41,8 +41,8 @@ class LineRequest {
 
     int descriptor() const { return talk_.descriptor(); }
     Instant end() const { return end_; }
-    /// Reads what is there. Returns the answer, or `{"type":"error","error":...}` that says why
-    /// none comes; nothing while it may come.
+    /// Reads what is there. Returns the answer, or `{"type":"error","error":...,"unanswered":true}`
+    /// that says why none comes; nothing while it may come.
     std::optional<std::string> poll(Instant now);
 
   private:

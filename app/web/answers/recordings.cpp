@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/client/parse_json.h"
 #include "app/client/status_fields.h"
 #include "app/recorder/recording_list.h"
 #include "app/web/answers/answers.h"
@@ -48,7 +49,7 @@ std::optional<std::uint64_t> number_in_query(std::string_view query, std::string
 
 RecordingsPlace place_in_answer(const std::string& json) {
     const HttpAnswer answer = as_it_is(json);
-    const auto told = nlohmann::json::parse(json, nullptr, false);
+    const auto told = parse_json(json);
     if (answer.status != 200 || status_fields::text(told, "type") != "recordings") {
         return tl::unexpected(status_fields::text(told, "error"));
     }

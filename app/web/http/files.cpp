@@ -74,27 +74,41 @@ const PageFile* PageFiles::find(std::string_view path) const {
     return file == files_.end() ? nullptr : &file->second;
 }
 
-tl::expected<void, std::string> keep_configuration(const fs::path& file, std::string_view text,
-                                                   const fs::path& history) {
+fs::path linked_file(const fs::path& file) {
+    std::error_code error;
+    const fs::path target = fs::weakly_canonical(file, error);
+    return error ? file : target;
+}
+
+tl::expected<void, std::string> write_next_configuration(const fs::path& file,
+                                                         std::string_view text,
+                                                         const fs::path& history) {
     std::error_code error;
     fs::create_directories(history, error);
     const std::string before = content_of(file);
-    if (!before.empty()) {
+    const auto kept = kept_files(history);
+    if (!before.empty() &&
+        (kept.empty() || content_of(history / (kept.front().id + ".toml")) != before)) {
         const std::string id = fmt::format(
             "{:%Y-%m-%dT%H-%M-%SZ}.toml",
             fmt::gmtime(static_cast<std::time_t>(
                 std::chrono::duration_cast<std::chrono::seconds>(wall_time_now()).count())));
-        if (auto kept = replace_file(history / id, before, kUsualPermissions); !kept) {
-            return kept;
+        if (auto stored = replace_file(history / id, before, kUsualPermissions); !stored) {
+            return stored;
         }
         const auto all = kept_files(history);
         for (std::size_t i = kMostKept; i < all.size(); ++i) {
             fs::remove(history / (all[i].id + ".toml"), error);
         }
     }
-    // A link stays; what it leads to is replaced.
-    const fs::path target = fs::weakly_canonical(file, error);
-    return replace_file(error ? file : target, text, kUsualPermissions);
+    return write_successor(linked_file(file), text, kUsualPermissions);
+}
+
+tl::expected<void, std::string> keep_configuration(const fs::path& file, std::string_view text,
+                                                   const fs::path& history) {
+    return write_next_configuration(file, text, history).and_then([&] {
+        return put_successor_in_place(linked_file(file));
+    });
 }
 
 std::vector<KeptFile> kept_files(const fs::path& history) {

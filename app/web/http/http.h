@@ -43,7 +43,9 @@ struct MoreBytes {
 };
 
 inline constexpr std::size_t kLongestHead = 8 * 1024;
-inline constexpr std::size_t kLongestBody = 256 * 1024;
+/// More than 64 outputs with a map each need; to judge a text of this length takes a fraction of a
+/// second, in which the server has nothing for others.
+inline constexpr std::size_t kLongestBody = 64 * 1024;
 
 /// Reads the request with which `received` begins.
 std::variant<MoreBytes, HttpRequest, HttpRefusal> parse_http(std::string_view received);

@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/exit_status.h"
+#include "app/cli/process_limit.h"
 #include "app/journal/print_error.h"
 #include "app/web/recordings/plot_recording.h"
 
@@ -37,22 +38,13 @@ bool set_limits() {
     [[maybe_unused]] constexpr rlim_t kMostMemory = 32 * kMib;
     constexpr rlim_t kMostWritten = 16 * kMib;
     constexpr rlim_t kMostSeconds = 60;
-    const auto set = [](int what, rlim_t most) {
-        const auto resource = static_cast<__rlimit_resource>(what);
-        rlimit limit{};
-        if (::getrlimit(resource, &limit) != 0) {
-            return false;
-        }
-        limit.rlim_max = std::min(limit.rlim_max, most);
-        limit.rlim_cur = limit.rlim_max;
-        return ::setrlimit(resource, &limit) == 0;
-    };
 #ifndef TRIBUS_SANITIZED
-    if (!set(RLIMIT_DATA, kMostMemory)) {
+    if (!limit_process(RLIMIT_DATA, kMostMemory)) {
         return false;
     }
 #endif
-    return set(RLIMIT_FSIZE, kMostWritten) && set(RLIMIT_CPU, kMostSeconds) && set(RLIMIT_CORE, 0);
+    return limit_process(RLIMIT_FSIZE, kMostWritten) && limit_process(RLIMIT_CPU, kMostSeconds) &&
+           limit_process(RLIMIT_CORE, 0);
 }
 
 Duration plot_time(std::uint64_t us) {

@@ -61,7 +61,7 @@ bool Site::answer_one(SocketClient& client, Instant now) {
         return true;
     }
     if (const auto* refusal = std::get_if<HttpRefusal>(&parsed)) {
-        client.close_when_sent();
+        client.close_when_sent_and_discard();
         return client.send(http_text(refused(refusal->status, refusal->why, false)), now);
     }
     const HttpRequest request = std::get<HttpRequest>(std::move(parsed));

@@ -86,12 +86,11 @@ class Site {
     struct Draft {
         std::uint64_t trial = 0;
         std::string text;
-        std::string before;  ///< fingerprint of the file that it is to replace
     };
     using Late = std::function<std::optional<HttpAnswer>()>;
     using Reply = std::variant<HttpAnswer, Late>;
     using FromLine = std::function<HttpAnswer(const std::string& json)>;
-    /// Its answer is worked on also if the page that asked is gone: a file may have to go back.
+    /// Its answer is worked on also if the page that asked is gone: it may leave a file.
     struct Pending {
         LineRequest request;
         FromLine as_answer;
@@ -175,7 +174,7 @@ class Site {
     Reply ask_at(const std::string& socket, std::string_view line, Instant now, FromLine as_answer,
                  Duration patience);
     static std::optional<HttpAnswer> why_no_draft(const Asked& asked, const std::string& text);
-    Reply run_draft(const KnownDaemon& daemon, Draft draft, std::int64_t seconds, Instant now);
+    Reply run_draft(const KnownDaemon& daemon, std::string text, std::int64_t seconds, Instant now);
 
     bool begin_stream(SocketClient& client, const Asked& asked);
     bool send_to_stream(const std::shared_ptr<Stream>& stream, SocketClient& client, Instant now);

@@ -5,7 +5,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/cli/replace_file.h"
 #include "app/client/draft.h"
+#include "app/client/parse_json.h"
 #include "app/client/status_fields.h"
 #include "app/status/fingerprint.h"
 #include "app/web/answers/answers.h"
@@ -42,11 +44,17 @@ HttpAnswer changed_meanwhile(const std::string& present) {
         {{"error", "the file was changed by another meanwhile"}, {"fingerprint", present}}, 412);
 }
 
-/// 409 tells the page that the trial is over; with any other reason it may go on.
-HttpAnswer not_confirmed(const std::string& why) {
-    const bool over = why.starts_with("that trial is over") || why.starts_with("abandoned") ||
-                      why == "no configuration is on trial";
-    return refused(over ? 409 : 502, why + "; the file is as before");
+/// Why a daemon did not keep a draft: 412 if the file is another one, 409 if it refused, and 502 if
+/// nobody knows what it did.
+HttpAnswer not_kept(const std::string& outcome, const std::filesystem::path& file) {
+    const auto told = parse_json(outcome);
+    const std::string why = status_fields::text(told, "error");
+    if (status_fields::flag(told, "unanswered")) {
+        return refused(502, why + "; whether it kept the draft is seen when it answers again");
+    }
+    return why.ends_with("since the draft went on trial")
+               ? changed_meanwhile(fingerprint_of(file))
+               : refused(409, why + "; the file is as before");
 }
 
 std::optional<std::uint64_t> trial_in(const HttpRequest& request) {
@@ -73,7 +81,9 @@ Site::Reply Site::take_draft_back(const Asked& asked) {
         asked.daemon, fmt::format("back {}", *trial), asked.now,
         [](const std::string& json) {
             HttpAnswer answer = as_it_is(json);
-            answer.status = answer.status == 502 ? 409 : answer.status;
+            const auto told = parse_json(json);
+            const bool refuses = answer.status == 502 && !status_fields::flag(told, "unanswered");
+            answer.status = refuses ? 409 : answer.status;
             return answer;
         },
         kReloadPatience);
@@ -110,9 +120,7 @@ Site::Reply Site::begin_draft(const Asked& asked) {
     if (daemon.tells.empty()) {
         return refused(502, fmt::format("no daemon runs {}", daemon.name));
     }
-    return run_draft(daemon,
-                     {.trial = 0, .text = *std::move(text), .before = tag_in(request.if_match)},
-                     seconds, now);
+    return run_draft(daemon, *std::move(text), seconds, now);
 }
 
 /// Without a daemon nothing can be tried: the file had mistakes, or its service is off.
@@ -134,9 +142,9 @@ Site::Reply Site::save(const Asked& asked) {
 }
 
 /// Asks for the folder, writes the draft there, and lets it run.
-Site::Reply Site::run_draft(const KnownDaemon& daemon, Draft draft, std::int64_t seconds,
+Site::Reply Site::run_draft(const KnownDaemon& daemon, std::string text, std::int64_t seconds,
                             Instant now) {
-    const auto own = std::make_shared<Draft>(std::move(draft));
+    const auto own = std::make_shared<Draft>(Draft{.trial = 0, .text = std::move(text)});
     auto folder = ask_to_change(daemon, "draft", now, as_it_is);
     if (std::holds_alternative<HttpAnswer>(folder)) {
         return folder;
@@ -158,7 +166,7 @@ Site::Reply Site::run_draft(const KnownDaemon& daemon, Draft draft, std::int64_t
             daemon, fmt::format("reload draft {}s", seconds), monotonic_now(),
             [this, name = daemon.name, own](const std::string& outcome) {
                 HttpAnswer answer = as_it_is(outcome);
-                const auto told = nlohmann::json::parse(outcome, nullptr, false);
+                const auto told = parse_json(outcome);
                 if (const auto trial = status_fields::number(told, "trial")) {
                     own->trial = static_cast<std::uint64_t>(*trial);
                     drafts_[name] = *own;
@@ -171,44 +179,34 @@ Site::Reply Site::run_draft(const KnownDaemon& daemon, Draft draft, std::int64_t
     });
 }
 
-/// The file is written first, for the daemon confirms a draft only if the file has it. If the
-/// daemon refuses, the old file comes back; it has a minute to read the file, so this waits for
-/// longer.
+/// The daemon alone decides, and puts the file in place. This only writes the successor of the file
+/// beside it, which shows that it may write there. A trial that another program began has none.
 Site::Reply Site::keep_draft(const Asked& asked) {
     const KnownDaemon& daemon = asked.daemon;
     const auto trial = trial_in(asked.request);
     if (!trial) {
         return no_trial();
     }
-    const auto draft = drafts_.find(daemon.name);
-    if (draft == drafts_.end() || draft->second.trial != *trial) {
-        return refused(409, "that trial is over, or another program began it");
-    }
     if (daemon.control.empty()) {
         return refused(502, fmt::format("no daemon runs {}; the file is as before", daemon.name));
     }
-    const auto before = read_file(daemon.file, kMostConfigurationBytes, FileKinds::regular);
-    const std::string present = before ? fingerprint(*before) : std::string();
-    if (present != draft->second.before) {
-        return changed_meanwhile(present);
-    }
-    const auto history = settings_.state / "history" / daemon.name;
-    if (auto kept = keep_configuration(daemon.file, draft->second.text, history); !kept) {
-        return refused(500, kept.error());
+    const auto draft = drafts_.find(daemon.name);
+    if (draft != drafts_.end() && draft->second.trial == *trial) {
+        const auto written = write_next_configuration(daemon.file, draft->second.text,
+                                                      settings_.state / "history" / daemon.name);
+        if (!written) {
+            return refused(500, written.error() + "; the file is as before");
+        }
     }
     return ask_to_change(
         daemon, fmt::format("confirm {}", *trial), asked.now,
-        [this, file = daemon.file, name = daemon.name, before = *before,
-         history](const std::string& outcome) {
-            const HttpAnswer answer = as_it_is(outcome);
-            if (answer.status != 200) {
-                const auto restored = keep_configuration(file, before, history);
-                return restored ? not_confirmed(text_in(answer.content, "error").value_or(""))
-                                : refused(500, restored.error());
+        [this, file = daemon.file, name = daemon.name](const std::string& outcome) {
+            if (as_it_is(outcome).status != 200) {
+                remove_successor(linked_file(file));
+                return not_kept(outcome, file);
             }
-            const std::string text = drafts_[name].text;
             drafts_.erase(name);
-            return json_answer({{"kept", true}, {"fingerprint", fingerprint(text)}});
+            return json_answer({{"kept", true}, {"fingerprint", fingerprint_of(file)}});
         },
         kReloadPatience);
 }

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/client/parse_json.h"
 #include "app/client/status_fields.h"
 #include "app/web/answers/answers.h"
 #include "app/web/answers/metrics.h"
@@ -18,7 +19,7 @@ namespace {
 constexpr std::string_view kMetricsType = "text/plain; version=0.0.4; charset=utf-8";
 
 HttpAnswer metrics_said(const std::string& json) {
-    const auto parsed = nlohmann::json::parse(json, nullptr, false);
+    const auto parsed = parse_json(json);
     const std::string text = status_fields::raw_text(parsed, "text");
     return text.empty() ? refused(502, "no metrics") : HttpAnswer{.content = text};
 }

@@ -110,7 +110,7 @@ TEST_F(TrialOfADaemon, StaysIfConfirmed) {
 
 TEST_F(TrialOfADaemon, GoesBackWhereAsked) {
     begin();
-    const std::uint64_t change = daemon_->begin_going_back();
+    const std::uint64_t change = daemon_->begin_going_back().value();
     EXPECT_EQ(change, 2U);
     EXPECT_EQ(daemon_->outcome_of(1)->trial, 1U) << "its outcome is still known";
     EXPECT_TRUE(outcome_of(change).taken);

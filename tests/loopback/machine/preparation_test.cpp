@@ -13,6 +13,8 @@
 
 #include <gtest/gtest.h>
 
+#include "app/cli/replace_file.h"
+#include "config/language/read_file.h"
 #include "config/load.h"
 #include "tests/loopback/machine/hanging_file.h"
 #include "tests/support/seen_within.h"
@@ -104,16 +106,85 @@ TEST_F(PreparationOf, ADraftThatIsALinkIsRefused) {
               std::string::npos);
 }
 
-TEST_F(PreparationOf, ATextHasNoAppliance) {
-    folder_.write("car.toml", "[output");
-    const auto result = result_of(*Preparation::of_text(file_));
-    ASSERT_TRUE(result);
-    EXPECT_EQ(result->appliance, nullptr);
-    EXPECT_EQ(result->text, "[output");
+TEST_F(PreparationOf, ADraftKnowsTheTextOfTheFileThatItMayReplace) {
+    const std::string draft = folder_.write("draft.toml", kText + "# more\n");
+    EXPECT_EQ(result_of(*Preparation::of_draft(draft, file_))->file_text, kText);
+    fs::remove(file_);
+    EXPECT_EQ(result_of(*Preparation::of_draft(draft, file_))->file_text, std::nullopt);
 }
 
-TEST_F(PreparationOf, ATextThatIsNotThereSaysSo) {
-    EXPECT_NE(mistake_of(*Preparation::of_text(folder_ / "none")), "");
+/// A draft that shall be kept in the place of `file_`.
+class KeepingADraft : public PreparationOf {
+  protected:
+    DraftToKeep draft(const std::string& path) const { return {path, kDraft, kText}; }
+    std::string content() const {
+        return read_file(file_, 4096, FileKinds::regular).value_or("not to be read");
+    }
+    static inline const std::string kDraft = kText + "# draft\n";
+};
+
+TEST_F(KeepingADraft, PutsItsSuccessorInThePlaceOfTheFile) {
+    ASSERT_TRUE(write_successor(file_, kDraft, 0644));
+    const auto result = result_of(*Preparation::keeping(draft(file_)));
+    ASSERT_TRUE(result);
+    EXPECT_EQ(result->text, kDraft);
+    EXPECT_EQ(result->appliance, nullptr);
+    EXPECT_EQ(content(), kDraft);
+    EXPECT_FALSE(fs::exists(successor_of(file_)));
+}
+
+TEST_F(KeepingADraft, LeavesALinkToTheFile) {
+    fs::create_symlink(file_, folder_ / "link.toml");
+    ASSERT_TRUE(write_successor(file_, kDraft, 0644));
+    EXPECT_EQ(result_of(*Preparation::keeping(draft(folder_ / "link.toml")))->text, kDraft);
+    EXPECT_TRUE(fs::is_symlink(folder_ / "link.toml"));
+    EXPECT_EQ(content(), kDraft);
+}
+
+TEST_F(KeepingADraft, NeedsNoSuccessorIfTheFileHasItsText) {
+    folder_.write("car.toml", kDraft);
+    EXPECT_EQ(result_of(*Preparation::keeping(draft(file_)))->text, kDraft);
+}
+
+TEST_F(KeepingADraft, WithoutASuccessorSaysWhatTheFileHas) {
+    EXPECT_EQ(result_of(*Preparation::keeping(draft(file_)))->text, kText);
+    EXPECT_EQ(content(), kText);
+}
+
+/// Somebody else may have put it there.
+TEST_F(KeepingADraft, TakesNoSuccessorThatIsALink) {
+    fs::create_symlink(folder_.write("elsewhere", kDraft), successor_of(file_));
+    EXPECT_EQ(result_of(*Preparation::keeping(draft(file_)))->text, kText);
+    EXPECT_EQ(content(), kText);
+}
+
+TEST_F(KeepingADraft, LeavesAFileThatIsAnotherThanWhenTheTrialBegan) {
+    ASSERT_TRUE(write_successor(file_, kDraft, 0644));
+    folder_.write("car.toml", "[output");
+    EXPECT_EQ(mistake_of(*Preparation::keeping(draft(file_))),
+              file_ + ": was changed by another since the draft went on trial");
+    EXPECT_EQ(content(), "[output");
+}
+
+TEST_F(KeepingADraft, SaysThatTheFileIsNotThere) {
+    EXPECT_NE(mistake_of(*Preparation::keeping(draft(folder_ / "none"))), "");
+}
+
+TEST_F(KeepingADraft, ChangesNothingOnceItIsAbandoned) {
+    ASSERT_TRUE(write_successor(file_, kDraft, 0644));
+    HangingFile hanging(file_);
+    const auto preparation = Preparation::keeping(draft(file_));
+    EXPECT_TRUE(preparation->abandon());
+    hanging.answer();
+    EXPECT_EQ(mistake_of(*preparation), file_ + ": is as before: the draft was abandoned");
+    EXPECT_EQ(content(), kText);
+}
+
+TEST_F(KeepingADraft, IsNotAbandonedOnceItIsKept) {
+    ASSERT_TRUE(write_successor(file_, kDraft, 0644));
+    const auto preparation = Preparation::keeping(draft(file_));
+    EXPECT_TRUE(seen_within([&] { return preparation->done(); }));
+    EXPECT_FALSE(preparation->abandon());
 }
 
 TEST_F(PreparationOf, AConfigurationHasItsApplianceAndNoText) {
@@ -171,7 +242,7 @@ int exit_status_without_threads(const std::string& path) {
     if (::setrlimit(RLIMIT_NPROC, &none) != 0 || (::geteuid() == 0 && ::setuid(kNobody) != 0)) {
         return 1;
     }
-    const auto preparation = Preparation::of_text(path);
+    const auto preparation = Preparation::keeping({.path = path, .text = {}, .file_text = {}});
     if (!preparation->done() || !is_readable(preparation->descriptor())) {
         return 2;
     }

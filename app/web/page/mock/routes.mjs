@@ -1,4 +1,4 @@
-// Answers of the mock, as API.md describes them.
+// Answers of the mock, as docs/web.md describes them.
 import { mistakesOf } from './board.mjs';
 import { answer, answerJson, beginStream, readJson, Refusal, sendEvent } from './http.mjs';
 

@@ -96,16 +96,24 @@ export async function startBoard(options = {}) {
     const socket = join(runtime, 'tribus', 'boat.sock');
     const run = async (...words) => (await promisify(execFile)(join(PROGRAMS, 'tribus'), words,
         { env: environment })).stdout;
-    const server = start('tribus-web', 'serve', '--listen', '127.0.0.1:0', '--configurations',
-        folder, '--state', state, '--page', options.page ?? resolve(here, '../dist'),
-        ...(options.words ?? []));
-    const [, address] = await server.log.says(/the page is at (\S+)/);
+    const serve = async (port) => {
+        const server = start('tribus-web', 'serve', '--listen', `127.0.0.1:${port}`,
+            '--configurations', folder, '--state', state, '--page',
+            options.page ?? resolve(here, '../dist'), ...(options.words ?? []));
+        const [, address] = await server.log.says(/the page is at (\S+)/);
+        return { server: server.child, address };
+    };
+    const { server, address } = await serve(0);
     const board = {
-        address, file, state, port: Number(new URL(address).port), server: server.child,
+        address, file, state, port: Number(new URL(address).port), server,
         daemon: null, log: null,
         async stopDaemon() {
             board.daemon?.kill('SIGKILL');
             await until(() => board.log?.ended ?? true, () => 'the end of the daemon');
+        },
+        /** Starts the server, which was killed, at the same address. */
+        async runServer() {
+            board.server = (await serve(board.port)).server;
         },
         /** Starts the daemon, again if it runs. */
         async runDaemon() {

@@ -223,7 +223,7 @@ test('two tabs: the second merges; an old tab keeps nothing', { timeout }, async
             { 'If-Match': tag });
         assert.equal(next.trial, trial + 1);
         await button(page, 'Keep').click();
-        await trialOf(page).getByText('This trial is over, or another one runs.').waitFor();
+        await trialOf(page).getByText(/that trial is over; the present one is number \d+/).waitFor();
         assert.equal(await board.text(), text);
         assert.equal((await ask(other, '/api/boat/back', { trial: next.trial })).status, 200);
     });

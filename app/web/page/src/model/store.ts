@@ -1,6 +1,7 @@
 // What all screens share.
 import { computed, effect, signal } from '@preact/signals';
 import type { Freshness } from './freshness';
+import { duration } from './words';
 import type { Daemon, Me, Status } from './status';
 
 export const SCREENS = [
@@ -17,6 +18,9 @@ export const status = signal<Status | null>(null);
 export const freshness = signal<Freshness>({ level: 'stale', short: 'connecting', text: '' });
 /** The server ended the stream because this browser has too many pages open. */
 export const streamEnded = signal(false);
+
+/** The list is asked for each 5 s, and an answer may take 5 s. */
+const LIST_OLD_S = 11;
 
 /** Whether the server can fill this screen. */
 export function offers(one: Screen): boolean {
@@ -57,9 +61,16 @@ export const route = computed<Route>(() => {
 export const daemonName = computed(() => route.value.daemon);
 export const screen = computed(() => route.value.screen);
 export const daemon = computed(() => daemons.value?.find((one) => one.name === daemonName.value));
-/** The list is a few seconds old; a live stream knows better. */
-export const absent = computed(() =>
+/** How old the list of daemons is, in whole seconds. */
+export const listAgeS = signal(0);
+const listedAbsent = computed(() =>
     daemon.value?.state === 'absent' && freshness.value.level !== 'live');
+/** An old list shows nothing, and a live stream knows better. */
+export const absent = computed(() => listedAbsent.value && listAgeS.value <= LIST_OLD_S);
+/** While the server is not heard: what it said last. */
+export const lastListed = computed(() => listedAbsent.value && !absent.value
+    ? ` ${duration(listAgeS.value * 1e6)} ago no daemon ran; whether one runs now is not known.`
+    : '');
 
 export function addressOf(screenName: Screen, name: string = daemonName.value): string {
     return `#/${encodeURIComponent(name)}/${screenName}`;

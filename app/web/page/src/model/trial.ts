@@ -135,11 +135,7 @@ async function act<T>(verb: string, trial: Trial, done: (answer: T) => void): Pr
         done(await post<T>(`/api/${encodeURIComponent(trial.daemon)}/${verb}`,
             { trial: trial.number }));
     } catch (error) {
-        if (statusOf(error) === 409) {
-            end(false, trial.number,
-                'This trial is over, or another one runs. Nothing was changed now.');
-            return;
-        }
+        // What became of the trial is told by the statuses that follow.
         throw new Error(`That did not work: ${errorText(error)}`);
     } finally {
         deciding = false;

@@ -2,7 +2,8 @@
 import type { ComponentChildren } from 'preact';
 import { goOn } from '../model/connection';
 import {
-    absent, addressOf, daemonName, daemons, freshness, me, offers, screen, type Screen, streamEnded, theme, THEMES,
+    absent, addressOf, daemonName, daemons, freshness, lastListed, me, offers, screen, type Screen,
+    streamEnded, theme, THEMES,
 } from '../model/store';
 import { Icon, type IconName } from './icons';
 import { TrialStrip } from './trial_strip';
@@ -97,7 +98,7 @@ function StaleBanner() {
             <span role="status" class="unseen">
                 {shown ? 'Nothing on this page is live now.' : ''}
             </span>
-            <strong>{shown ? text : ''}</strong>
+            <strong>{shown ? text + lastListed.value : ''}</strong>
             {streamEnded.value && <button onClick={goOn}>Go on here</button>}
         </section>
     );
