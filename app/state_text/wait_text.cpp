@@ -133,6 +133,19 @@ std::string output_sentence(const OutputState& state, const OutputWait& wait,
                        wait_text(state, wait, inputs));
 }
 
+std::string duration_text(Duration duration) {
+    using namespace std::chrono;
+    if (duration < 1s) {
+        return milliseconds(duration);
+    }
+    if (duration < 1min) {
+        return fmt::format("{:.1f} s", seconds(duration));
+    }
+    const auto whole = floor<std::chrono::seconds>(duration).count();
+    return duration < 1h ? fmt::format("{} min {} s", whole / 60, whole % 60)
+                         : fmt::format("{} h {} min", whole / 3600, whole / 60 % 60);
+}
+
 std::string wait_key(const OutputWait& wait, std::span<const std::string> inputs) {
     if (wait.awaited == Awaited::nothing) {
         return "";

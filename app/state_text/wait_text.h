@@ -22,6 +22,9 @@ std::string stage_text(const OutputState& state, std::span<const std::string> in
 std::string output_sentence(const OutputState& state, const OutputWait& wait,
                             std::span<const std::string> inputs);
 
+/// "180 ms", "4.2 s", "3 min 12 s", "2 h 5 min": for a person who looks.
+std::string duration_text(Duration duration);
+
 /// Text that differs between any two things that an output may wait for, without how far they are.
 /// It has names, not indices: another configuration may number the inputs differently.
 std::string wait_key(const OutputWait& wait, std::span<const std::string> inputs);

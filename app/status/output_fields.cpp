@@ -10,6 +10,7 @@
 #include "app/state_text/wait_text.h"
 #include "app/status/field_tables.h"
 #include "app/status/field_values.h"
+#include "app/status/output_why.h"
 #include "config/schema/choices.h"
 #include "core/link_cause.h"
 
@@ -28,17 +29,6 @@ const OutputStatus& status(const StatusPart& part) {
 constexpr std::array<std::string_view, 6> kObstacles{"",     "device",   "bus",
                                                      "busy", "receiver", "epoch"};
 constexpr std::array<std::string_view, 4> kHearings{"", "heard", "silent", "unreadable"};
-
-/// Null for an output without a pipeline: it sends values only.
-const FailsafeSettings* failsafe_of(const StatusPart& part) {
-    for (const PipelineConfig& pipeline : configuration(part).pipelines) {
-        const auto found = std::ranges::find(pipeline.outputs, part.index);
-        if (found != pipeline.outputs.end()) {
-            return &pipeline.failsafe[static_cast<std::size_t>(found - pipeline.outputs.begin())];
-        }
-    }
-    return nullptr;
-}
 
 std::vector<std::string> input_names(const StatusPart& part) {
     std::vector<std::string> names;
@@ -76,6 +66,9 @@ OrderedJson by_preset(const StatusPart& part) {
 }
 OrderedJson waits_for(const StatusPart& part) {
     return text_or_null(wait_text(status(part).state, status(part).wait, input_names(part)));
+}
+OrderedJson why(const StatusPart& part) {
+    return text_or_null(output_why(part));
 }
 OrderedJson hold(const StatusPart& part) {
     const FailsafeSettings* const failsafe = failsafe_of(part);
@@ -163,6 +156,13 @@ constexpr StatusField kFields[]{
      "([failsafe.md](failsafe.md#what-an-output-waits-for))",
      waits_for,
      {.may_be_null = true, .fleet = "waits_for"}},
+    {"why",
+     FieldKind::text,
+     "one sentence for who looks: what it sends meanwhile, what it waits for, and what its other "
+     "inputs "
+     "lack, with times",
+     why,
+     {.may_be_null = true}},
     {"hold_us",
      FieldKind::time,
      "how long it holds values after a loss; `null` for an output of values",

@@ -1,6 +1,13 @@
+#include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstddef>
+#include <string>
 #include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "app/status/field_tables.h"
 #include "app/status/field_values.h"
@@ -34,6 +41,9 @@ OrderedJson found_sensors(const StatusPart& part) {
     return json;
 }
 
+/// A receiver that is on sends a request each 7.7 ms.
+constexpr Duration kRequestTimeout = std::chrono::seconds(1);
+
 constexpr std::array<std::string_view, 3> kFaults{"none", "no_type", "wrong_size"};
 
 OrderedJson sensor_faults(const StatusPart& part) {
@@ -52,6 +62,56 @@ OrderedJson sensor_faults(const StatusPart& part) {
         }
     }
     return json;
+}
+
+std::string words_of(std::string_view name) {
+    std::string words(name);
+    std::ranges::replace(words, '_', ' ');
+    return words;
+}
+
+/// "reads external voltage at address 1; address 3 never reports its type"
+std::string receiver_text(const StatusPart& part) {
+    const auto& bus = of<SensorBusState>(part);
+    const SensorTypes types(of<SensorBusConfig>(part).dialect,
+                            part.report.configuration->sensor_types);
+    std::vector<std::string> reads;
+    std::vector<std::string> parts;
+    for (std::size_t i = 0; i < bus.found_count; ++i) {
+        const SensorType* const type = types.find(bus.found[i].type);
+        reads.push_back(fmt::format("{} at address {}",
+                                    type == nullptr
+                                        ? fmt::format("unknown type {:02x}", bus.found[i].type)
+                                        : words_of(type->name),
+                                    i + 1));
+    }
+    parts.push_back(reads.empty() ? "waits for a sensor that answers"
+                                  : fmt::format("reads {}", fmt::join(reads, ", ")));
+    for (std::size_t i = 0; i < bus.faults.size(); ++i) {
+        const SensorFault& fault = bus.faults[i];
+        if (fault.kind == SensorFault::Kind::no_type) {
+            parts.push_back(fmt::format("address {} never reports its type", i + 1));
+        } else if (fault.kind == SensorFault::Kind::wrong_size) {
+            parts.push_back(
+                fmt::format("address {} sends values of {} bytes, another size than it "
+                            "reported",
+                            i + 1, fault.sent_size));
+        }
+    }
+    return fmt::format("{}", fmt::join(parts, "; "));
+}
+
+OrderedJson text(const StatusPart& part) {
+    const auto& bus = of<SensorBusState>(part);
+    if (bus.is_receiver) {
+        return receiver_text(part);
+    }
+    if (!bus.latest_request || part.report.now - *bus.latest_request >= kRequestTimeout) {
+        return bus.latest_request ? "the receiver sends no more requests; waits for one"
+                                  : "waits for the first request of a receiver";
+    }
+    return bus.first_address == 0 ? "a receiver sends requests; waits for an address"
+                                  : "answers the receiver";
 }
 
 OrderedJson counts(const StatusPart& part) {
@@ -101,6 +161,7 @@ constexpr StatusField kFields[]{
      "as configured",
      [](const StatusPart& part) { return OrderedJson(word_of(of<SensorBusConfig>(part).role)); },
      {.words = ChoiceWords<BusRole>::kAll}},
+    {"text", FieldKind::text, "what it does, and what it waits for", text},
     {"found",
      FieldKind::other,
      "role `receiver`: the sensors that reported their type",

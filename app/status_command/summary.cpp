@@ -45,6 +45,7 @@ Ordered output_of(const Json& output, bool old) {
             {"input", old ? Json() : status_fields::field(output, "input")},
             {"text", old ? Json(kUnknown) : status_fields::field(output, "text")},
             {"waits_for", old ? Json() : status_fields::field(output, "waits_for")},
+            {"why", old ? Json() : status_fields::field(output, "why")},
             {"failsafe_entries", status_fields::count(output, "failsafe_entries")}};
 }
 
@@ -94,10 +95,10 @@ std::string input_words(const Json& input) {
 
 std::string output_words(const Json& output) {
     const std::string text = status_fields::text(output, "text");
-    const std::string awaited = status_fields::text(output, "waits_for");
+    const std::string why = status_fields::text(output, "why");
     return fmt::format("output {}: {}{}", status_fields::text(output, "name"),
                        text.empty() ? status_fields::text(output, "state") : text,
-                       awaited.empty() ? "" : "; waits for " + awaited);
+                       why.empty() ? "" : "; " + why);
 }
 
 }  // namespace

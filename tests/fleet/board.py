@@ -200,6 +200,25 @@ class Board:
                            self.folder / "run/tribus" / f"{name}.sock"])
         self._says(name, r" info started ")
 
+    def start_another(self, word, text):
+        """A daemon with that configuration; its name."""
+        name = f"{word}-{os.getpid()}"
+        self._file(name).write_text(text)
+        self.start_daemon(name)
+        return name
+
+    def watch(self, name):
+        """A function that says all changes that the daemon has told from now on."""
+        file = self.folder / f"{name}.changes"
+        with open(file, "wb") as out:
+            self.programs[f"watch of {name}"] = subprocess.Popen(  # pylint: disable=consider-using-with
+                [PROGRAMS / "tribus", "status", "--watch", "--format", "json", "--socket",
+                 self.folder / "run/tribus" / f"{name}.sock"],
+                stdin=subprocess.DEVNULL, stdout=out, stderr=out, preexec_fn=end_with_this_process)
+        assert eventually(lambda: file.stat().st_size), "the watch says nothing"
+        return lambda: [one for one in map(json.loads, file.read_text().splitlines()[:-1])
+                        if one["type"] == "change"]
+
     def start_web(self):
         self._start("web", [PROGRAMS / "tribus-web", "serve", "--metrics", "--listen",
                             f"127.0.0.1:{self.port}", "--configurations",

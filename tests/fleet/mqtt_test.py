@@ -4,15 +4,18 @@ import glob
 import json
 import os
 import pathlib
+import random
 import shutil
 import signal
 import socket
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
 
-from board import PROGRAMS, Board, end_with_this_process, eventually
+from board import (PROGRAMS, RADIO_TO_SERVOS, Board, Wire, end_with_this_process, eventually,
+                   ibus_frame)
 from broker import Broker, Reader
 
 BOARD = "boat"
@@ -141,6 +144,36 @@ class Told(unittest.TestCase):
             self.assertLess(abs(told[0]["unix_time_us"] / 1e6 - happened), 4)
             self.assertGreater(told[0]["age_s"], 2)
         self.assertTrue(eventually(lambda: self.newest()["outputs"]["servos"]["state"] == "failsafe"))
+
+    def test_each_short_loss_comes_exactly_once_in_its_order(self):
+        """With TRIBUS_LONG=1 there are 10,000 losses instead of 60."""
+        radio, servos = Wire(ibus_frame([1500] * 14), 0.005), Wire()
+        self.addCleanup(servos.close)
+        self.addCleanup(radio.close)
+        quick = self.board.start_another("quick", RADIO_TO_SERVOS.replace("500ms", "30ms").format(
+            radio=radio, servos=servos))
+        event = f"tribus/{BOARD}/{quick}/event"
+        self.assertTrue(eventually(lambda: self.available(f"tribus/{BOARD}/{quick}")))
+        changes = self.board.watch(quick)
+        for _ in range(10_000 if os.environ.get("TRIBUS_LONG") else 60):
+            radio.talks = True
+            time.sleep(0.06)
+            radio.talks = False
+            time.sleep(random.uniform(0.05, 0.09))
+        radio.talks = True
+
+        def losses():
+            return [(one["unix_time_us"], one["name"]) for one in changes()
+                    if one["now"] == "wire_silent"]
+
+        def came():
+            return [(one["unix_time_us"], one["name"]) for one in self.reader.objects(event)
+                    if one["now"] == "wire_silent"]
+        self.assertTrue(eventually(lambda: len(losses()) > 50 and came() == losses()))
+        told = self.reader.objects(event)
+        print(f"{len(came())} losses came", file=sys.stderr)
+        self.assertEqual(len({one["id"] for one in told}), len(told))
+        self.assertEqual([one for one in told if one.get("lost_before") or one["late"]], [])
 
     def test_a_bridge_that_is_killed_goes_off_by_its_last_will(self):
         self.assertTrue(self.available(f"tribus/{BOARD}"))

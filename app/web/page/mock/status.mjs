@@ -37,7 +37,7 @@ export function input(name, protocol, port, channels, seconds) {
 export function output(name, protocol, port, inputs, from) {
     return {
         name, protocol, port, inputs, state: 'control', text: `under control of ${inputs[0]}`,
-        obstacle: null, waits_for: null, forced: false, awaits_release: false, input: inputs[0],
+        obstacle: null, waits_for: null, why: null, forced: false, awaits_release: false, input: inputs[0],
         outvoted: [], by_preset: [], state_age_us: 2_900_000, hold_us: 300_000,
         rate_hz: jitter(70.5, 71.5),
         period_us: 14_000, channels: [...from.channels, 1500, 1500, 1500, 1500].slice(0, 18),
@@ -68,7 +68,18 @@ function lose(status, cause, age) {
 function all(status, change) {
     for (const one of status.outputs) {
         Object.assign(one, change);
+        one.why = change.why ?? whyOf(one, status);
     }
+}
+
+/** The daemon says it, and the page prints it: any words do. */
+function whyOf(output, status) {
+    const lost = status.inputs.filter((one) =>
+        output.inputs.includes(one.name) && one.cause !== 'good' && one.cause !== 'unproved');
+    const sends = { hold: 'failsafe in 180 ms', failsafe: 'it sends its presets',
+        silent: 'it sends nothing' }[output.state];
+    const awaited = output.waits_for ?? lost.map((one) => `${one.name}: ${one.text} for 4.2 s`)[0];
+    return [sends, awaited && `waits for ${awaited}`].filter(Boolean).join('; ') || null;
 }
 
 const failsafe = { state: 'failsafe', text: 'in failsafe', input: null, frame_lost: true, failsafe: true,
@@ -179,6 +190,7 @@ function rover(seconds) {
             { name: 'lamp', line: 'gpiochip0 7', present: false, role: 'link', active: null,
                 text: 'is gone; waiting for it' }],
         sensor_buses: [{ name: 'telemetry', port: '/dev/ttyAMA4', role: 'receiver', collisions: 0,
+            text: 'reads external voltage at address 1',
             found: [{ address: 1, type: 'external_voltage', type_id: 3, bytes: 2 }],
             counts: { requests: 900, replies: 880, misses: 20, wrong: 0 } }],
         dronecan: [{ interface: 'can0', state: 'online', id: 42, text: 'this program is DroneCAN node 42', sent: 1, received: 1, errors: 0,

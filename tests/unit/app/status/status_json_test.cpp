@@ -188,6 +188,44 @@ TEST_F(StatusJson, SaysWhatAnOutputWaitsFor) {
     EXPECT_TRUE(told()["outputs"][0]["waits_for"].is_null());
 }
 
+TEST_F(StatusJson, SaysWhyAnOutputIsNotInControl) {
+    const auto why = [&] { return told()["outputs"][0]["why"]; };
+    report_.inputs[1].status.state = {.cause = LinkCause::wire_silent,
+                                      .since = kNow - std::chrono::seconds(192)};
+    input().state = {.cause = LinkCause::good, .since = kNow};
+    output().state.stage = OutputStage::control;
+    EXPECT_EQ(why(), "backup: wire silent (no bytes any more) for 3 min 12 s");
+    input().state = {.cause = LinkCause::radio_lost,
+                     .sign = RadioLossSign::failsafe_flag,
+                     .since = kNow - std::chrono::milliseconds(120)};
+    output().state.stage = OutputStage::holding;
+    output().stage_since = kNow - std::chrono::milliseconds(120);
+    output().wait = {.awaited = Awaited::link, .input = 0, .link = input().state};
+    const std::string awaited =
+        "waits for main: radio lost (the receiver says failsafe) for 120 ms; ";
+    const std::string other = "backup: wire silent (no bytes any more) for 3 min 12 s";
+    EXPECT_EQ(why(), "failsafe in 180 ms; " + awaited + other);
+    output().state.stage = OutputStage::failsafe;
+    output().sends = true;
+    EXPECT_EQ(why(), "it sends its presets; " + awaited + other);
+    output().sends = false;
+    report_.inputs[1].status.state = {.cause = LinkCause::good};
+    output().state.outvoted = 2;
+    EXPECT_EQ(why(), "it sends nothing; " + awaited + "backup: outvoted by the others");
+    output().state = {.stage = OutputStage::cannot_send, .obstacle = SendObstacle::device};
+    EXPECT_EQ(why(),
+              "waits for its device, which is gone; main: radio lost (the receiver says failsafe) "
+              "for 120 ms");
+}
+
+TEST_F(StatusJson, SaysNothingOfAnOutputThatIsAsItShouldBe) {
+    for (InputReport& one : report_.inputs) {
+        one.status.state = {.cause = LinkCause::good, .since = kNow};
+    }
+    output().state.stage = OutputStage::control;
+    EXPECT_TRUE(told()["outputs"][0]["why"].is_null());
+}
+
 TEST_F(StatusJson, TellsFailsafeThatIsSaidFromFailsafeThatIsSilence) {
     output().sends = true;
     EXPECT_EQ(told()["outputs"][0]["state"], "failsafe");
@@ -244,6 +282,28 @@ TEST_F(StatusJson, NamesSensorsThatAnswerAndCannotBeRead) {
     EXPECT_EQ(told()["sensor_buses"][0]["faults"].dump(),
               R"([{"address":1,"fault":"wrong_size","sent_bytes":4},)"
               R"({"address":2,"fault":"no_type","sent_bytes":null}])");
+}
+
+TEST_F(StatusJson, SaysWhatASensorBusDoesAndWaitsFor) {
+    const auto text = [&] { return std::string(told()["sensor_buses"][0]["text"]); };
+    SensorBusState& bus = report_.sensor_buses[0];
+    EXPECT_EQ(text(), "waits for a sensor that answers");
+    bus.found[0] = {.type = 0x03, .size = 2};
+    bus.found[1] = {.type = 0xEE, .size = 4};
+    bus.found_count = 2;
+    bus.faults[1] = {.kind = SensorFault::Kind::wrong_size, .sent_size = 4};
+    bus.faults[2] = {.kind = SensorFault::Kind::no_type};
+    EXPECT_EQ(text(),
+              "reads external voltage at address 1, unknown type ee at address 2; address 2 sends "
+              "values of 4 bytes, another size than it reported; address 3 never reports its type");
+    bus.is_receiver = false;
+    EXPECT_EQ(text(), "waits for the first request of a receiver");
+    bus.latest_request = kNow - std::chrono::milliseconds(999);
+    EXPECT_EQ(text(), "a receiver sends requests; waits for an address");
+    bus.first_address = 1;
+    EXPECT_EQ(text(), "answers the receiver");
+    bus.latest_request = kNow - std::chrono::seconds(1);
+    EXPECT_EQ(text(), "the receiver sends no more requests; waits for one");
 }
 
 TEST_F(StatusJson, AValueGrowsStaleAndKeepsItsNumber) {

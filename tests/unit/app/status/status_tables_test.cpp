@@ -14,6 +14,7 @@
 #include "app/status/fields.h"
 #include "app/status/status_json.h"
 #include "pipelines/engine/machine_facts.h"
+#include "transports/registry/registry.h"
 
 /// What is written down of the rows of a status: tables of the manual, and the types of the page.
 /// Each stands in its file between two marks. With TRIBUS_WRITE_TABLES set, this writes them.
@@ -171,8 +172,13 @@ std::string page_types() {
     for (const auto& [name, unit] : kMachineFacts) {
         text += fmt::format("    {}?: number | null;\n", machine_key({name, unit}));
     }
-    return text + fmt::format("}}\n\nexport interface Status {{\n{}{}    machine: Machine;\n}}\n",
-                              page_fields(program_fields()), lists);
+    text += fmt::format("}}\n\nexport interface Status {{\n{}{}    machine: Machine;\n}}\n\n",
+                        page_fields(program_fields()), lists);
+    text += "export const PROTOCOL_TITLES: Record<string, string> = {\n";
+    for (const Protocol* protocol : protocols()) {
+        text += fmt::format("    '{}': '{}',\n", protocol->name, protocol->title);
+    }
+    return text + "};\n";
 }
 
 struct Place {

@@ -43,20 +43,21 @@ class Summary : public testing::Test {
 using Lines = std::vector<std::string>;
 
 TEST_F(Summary, TellsWhatAScriptAsksFor) {
-    EXPECT_EQ(told().dump(),
-              R"({"type":"summary","version":1,"name":"car","file":"/etc/tribus/car.toml",)"
-              R"("fingerprint":"00ff","t_us":7000000,"unix_time_us":1795727363411000,)"
-              R"("uptime_us":5000000,"figures_age_us":40000,"figures_old":false,)"
-              R"("trial":null,"trial_left_us":null,)"
-              R"("inputs":[{"name":"main","good":true,"cause":"good","text":null,"age_us":3000,)"
-              R"("times_lost":3},{"name":"backup","good":false,"cause":"implausible",)"
-              R"("text":"implausible, channel 5 is at 2158 us",)"
-              R"("age_us":null,"times_lost":0}],)"
-              R"("outputs":[{"name":"servos","state":"control","obstacle":null,"input":"main",)"
-              R"("text":"under control of main","waits_for":null,"failsafe_entries":3}],)"
-              R"("devices":[{"name":"/dev/ttyUSB0","state":"gone"},)"
-              R"({"name":"/dev/ttyAMA5","state":"there"},{"name":"can0","state":"bus_off"}],)"
-              R"("gone":["/dev/ttyUSB0"]})");
+    EXPECT_EQ(
+        told().dump(),
+        R"({"type":"summary","version":1,"name":"car","file":"/etc/tribus/car.toml",)"
+        R"("fingerprint":"00ff","t_us":7000000,"unix_time_us":1795727363411000,)"
+        R"("uptime_us":5000000,"figures_age_us":40000,"figures_old":false,)"
+        R"("trial":null,"trial_left_us":null,)"
+        R"("inputs":[{"name":"main","good":true,"cause":"good","text":null,"age_us":3000,)"
+        R"("times_lost":3},{"name":"backup","good":false,"cause":"implausible",)"
+        R"("text":"implausible, channel 5 is at 2158 us",)"
+        R"("age_us":null,"times_lost":0}],)"
+        R"("outputs":[{"name":"servos","state":"control","obstacle":null,"input":"main",)"
+        R"("text":"under control of main","waits_for":null,"why":null,"failsafe_entries":3}],)"
+        R"("devices":[{"name":"/dev/ttyUSB0","state":"gone"},)"
+        R"({"name":"/dev/ttyAMA5","state":"there"},{"name":"can0","state":"bus_off"}],)"
+        R"("gone":["/dev/ttyUSB0"]})");
 }
 
 TEST_F(Summary, InWordsHasALineForEachPart) {
@@ -76,11 +77,14 @@ TEST_F(Summary, SaysWhatAnOutputWaitsForWhileItsFiguresAreNew) {
     status_["outputs"][0]["text"] = "in failsafe";
     status_["outputs"][0]["input"] = nullptr;
     status_["outputs"][0]["waits_for"] = "main: good for 0.2 of 0.5 s";
+    const std::string why = "it sends its presets; waits for main: good for 0.2 of 0.5 s";
+    status_["outputs"][0]["why"] = why;
     EXPECT_EQ(told()["outputs"][0]["waits_for"], "main: good for 0.2 of 0.5 s");
-    EXPECT_EQ(status_summary::lines(told())[3],
-              "output servos: in failsafe; waits for main: good for 0.2 of 0.5 s");
+    EXPECT_EQ(told()["outputs"][0]["why"], why);
+    EXPECT_EQ(status_summary::lines(told())[3], "output servos: in failsafe; " + why);
     status_["figures_age_us"] = 1'000'001;
     EXPECT_TRUE(told()["outputs"][0]["waits_for"].is_null());
+    EXPECT_TRUE(told()["outputs"][0]["why"].is_null());
 }
 
 /// The data thread hangs: its last figures say "good" and "control" for ever.

@@ -278,5 +278,16 @@ TEST(WaitWatch, HasPatienceForAllThingsTogetherThatItDidNotTell) {
     EXPECT_EQ(watch.look("good", false, at(800ms)), "good");
 }
 
+TEST(DurationText, IsShortAndExact) {
+    using namespace std::chrono_literals;
+    const std::vector<std::pair<Duration, std::string>> cases{
+        {0ms, "0 ms"},          {180ms, "180 ms"},    {999ms, "999 ms"},    {1s, "1.0 s"},
+        {4249ms, "4.2 s"},      {59900ms, "59.9 s"},  {60s, "1 min 0 s"},   {192s, "3 min 12 s"},
+        {3599s, "59 min 59 s"}, {3600s, "1 h 0 min"}, {7500s, "2 h 5 min"}, {90000s, "25 h 0 min"}};
+    for (const auto& [duration, text] : cases) {
+        EXPECT_EQ(duration_text(duration), text);
+    }
+}
+
 }  // namespace
 }  // namespace tribus::test::serial::output_wait_test

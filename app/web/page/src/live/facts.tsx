@@ -60,17 +60,11 @@ function portFact(port: Port) {
     );
 }
 
-function busText(bus: SensorBus): string {
-    if (bus.role === 'receiver') {
-        const found = bus.found?.map((one) => one.type).join(', ');
-        return `${bus.found?.length ?? 0} sensors${found ? ` (${found})` : ''}, `
-            + `replies ${bus.counts.replies ?? 0}, misses ${bus.counts.misses ?? 0}`
-            + (bus.faults ?? []).map((one) => `, address ${one.address}: ${words(one.fault)}`)
-                .join('');
-    }
-    const age = bus.request_age_us;
-    return `answered ${bus.counts.answered ?? 0}, late ${bus.counts.late ?? 0}, newest request `
-        + (age == null ? 'never seen' : `${duration(age)} old`);
+function busCounts(bus: SensorBus): string {
+    const { counts } = bus;
+    return bus.role === 'receiver'
+        ? `, replies ${counts.replies ?? 0}, misses ${counts.misses ?? 0}`
+        : `, answered ${counts.answered ?? 0}, late ${counts.late ?? 0}`;
 }
 
 function valueFact(value: Value) {
@@ -115,7 +109,9 @@ export function Facts() {
             </Group>
             <Group title="Sensor buses">
                 {now.sensor_buses.map((bus) => (
-                    <Fact key={bus.name} name={`${bus.name}, ${bus.role}`}>{busText(bus)}</Fact>
+                    <Fact key={bus.name} name={`${bus.name}, ${bus.role}`}>
+                        {bus.text}{busCounts(bus)}
+                    </Fact>
                 ))}
             </Group>
             <Group title="DroneCAN">

@@ -1,7 +1,6 @@
 // One line in words for each output, and what else needs attention.
 import { freshness, status } from '../model/store';
 import type { Output, Status } from '../model/status';
-import { whyText } from '../model/words';
 import { Icon, type IconName } from '../parts/icons';
 import { attention } from './attention';
 
@@ -29,7 +28,7 @@ function Sentence({ output, status }: { output: Output; status: Status }) {
                 {old && <span class="before">Last known: </span>}
                 <span class="value">{waits}{output.text}</span>
             </p>
-            <p class="why"><span class="value">{whyText(output, status.inputs)}</span></p>
+            <p class="why"><span class="value">{output.why}</span></p>
         </li>
     );
 }

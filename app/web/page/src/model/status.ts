@@ -54,6 +54,7 @@ export interface Output {
     text: string;
     state_age_us: number | null;
     waits_for: string | null;
+    why: string | null;
     hold_us: number | null;
     action: 'preset' | 'hold' | 'silence' | null;
     marks_frame_lost: boolean;
@@ -119,6 +120,7 @@ export interface SensorBus {
     name: string;
     port: string;
     role: 'sensor' | 'receiver';
+    text: string;
     found?: { address: number; type: string | null; type_id: number; bytes: number }[];
     faults?: { address: number; fault: string; sent_bytes: number | null }[];
     first_address?: number | null;
@@ -184,6 +186,37 @@ export interface Status {
     values: Value[];
     machine: Machine;
 }
+
+export const PROTOCOL_TITLES: Record<string, string> = {
+    'ibus': 'i.Bus',
+    'sbus': 'SBUS',
+    'sumd': 'SUMD',
+    'crsf': 'CRSF',
+    'crsf-telemetry': 'CRSF telemetry',
+    'ghst': 'GHST',
+    'srxl': 'SRXL',
+    'fport': 'F.Port',
+    'fport2': 'F.Port 2',
+    'fbus': 'FBUS',
+    'ibus2': 'i-BUS2',
+    'exbus': 'EX Bus',
+    'exbus-telemetry': 'EX Bus telemetry',
+    'dsm': 'DSM',
+    'msp': 'MSP',
+    'sitl': 'SITL',
+    'network': 'Network',
+    'mavlink': 'MAVLink',
+    'mavlink-telemetry': 'MAVLink telemetry',
+    'joystick': 'Joystick',
+    'gamepad': 'Gamepad',
+    'pwm': 'PWM',
+    'ppm': 'PPM',
+    'can': 'CAN',
+    'dbc': 'DBC',
+    'sensors': 'sensors on CAN',
+    'dronecan': 'DroneCAN',
+    'ibus-sensor': 'the i.Bus sensor bus',
+};
 // end of rows
 
 export type Role = 'look' | 'change' | null;
