@@ -172,6 +172,7 @@ function rover(seconds) {
     const names = inputs.map((one) => one.name);
     const servos = output('servos', 'sbus', '/dev/ttyAMA3', names, inputs[0]);
     servos.outvoted = ['tail'];
+    servos.why = 'tail: outvoted by the others';
     const can = { state: 'ready', received: 12_345, sent: 4321, confirmed: 4321, error_frames: 2,
         bus_offs: 0 };
     return {

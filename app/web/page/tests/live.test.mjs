@@ -84,7 +84,7 @@ test('a reversed channel moves the other way', { timeout }, async () => {
 test('outvoted inputs and broken buses are named', { timeout }, async () => {
     await withPage({ at: '#/rover/live' }, async ({ page }) => {
         await waitLive(page);
-        assert.match(await why(page), /outvoted by the others: tail/);
+        assert.match(await why(page), /tail: outvoted by the others/);
         const list = await page.getByTestId('attention').innerText();
         for (const text of ['CAN can1: bus-off: the controller left', 'GPIO lamp: is gone; waiting',
             'motor_temperature: stale: 61.4 degC, 12.4 s old', 'memory is not locked']) {
