@@ -122,14 +122,18 @@ std::unique_ptr<Preparation> Preparation::keeping(DraftToKeep draft) {
         const auto resolved = std::filesystem::weakly_canonical(draft.path, unresolved);
         const auto file = unresolved ? std::filesystem::path(draft.path) : resolved;
         const auto successor = read_configuration_text(successor_of(file), FileKinds::draft);
-        if (*present == draft.text || !successor || *successor != draft.text) {
+        const bool has_it = *present == draft.text;
+        if (!has_it && (!successor || *successor != draft.text)) {
             return Prepared{.appliance = nullptr, .text = std::move(*present)};
         }
-        if (*present != draft.file_text) {
+        if (!has_it && *present != draft.file_text) {
             return mistake(draft.path, "was changed by another since the draft went on trial");
         }
         if (work.decided.exchange(true)) {
             return mistake(draft.path, "is as before: the draft was abandoned");
+        }
+        if (has_it) {
+            return Prepared{.appliance = nullptr, .text = std::move(*present)};
         }
         if (auto placed = put_successor_in_place(file); !placed) {
             return mistake(draft.path, "cannot be replaced by the draft: " + placed.error());

@@ -29,7 +29,10 @@ std::string sends_text(const OutputStatus& status, const FailsafeSettings* fails
         return left > Duration::zero() ? "failsafe in " + duration_text(left) : "";
     }
     if (status.state.stage == OutputStage::failsafe) {
-        return status.sends ? "it sends its presets" : "it sends nothing";
+        const bool holds = failsafe != nullptr && failsafe->action == FailsafeAction::hold;
+        return !status.sends ? "it sends nothing"
+               : holds       ? "it sends the last values"
+                             : "it sends its presets";
     }
     return "";
 }

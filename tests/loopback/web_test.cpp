@@ -280,6 +280,22 @@ TEST_F(WebKeep, IfBothDieTheFileIsAsBeforeAndTheNextTrialIsKept) {
     EXPECT_TRUE(leaves_no_successor());
 }
 
+/// Then the text of the file is on trial in its place.
+TEST_F(Web, ADraftThatSighupReplacedIsNotSaidToBeKept) {
+    Program& daemon = run_daemon();
+    serve();
+    const Browser browser = paired();
+    const std::string before = content();
+    const auto trial = try_reversed(browser).json()["trial"];
+    expect_first_channel(1900);
+    daemon.signal(SIGHUP);
+    EXPECT_TRUE(daemon.says("still on trial"));
+    EXPECT_EQ(post(browser, "confirm", {{"trial", trial}}).status, 409);
+    EXPECT_EQ(content(), before);
+    EXPECT_FALSE(std::filesystem::exists(successor_of(file())));
+    expect_first_channel(1100);
+}
+
 TEST_F(Web, ADraftForAFileThatAnotherChangedIsRefusedBeforeAndAfterTheTrial) {
     run_daemon();
     serve();

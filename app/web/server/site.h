@@ -86,6 +86,8 @@ class Site {
     struct Draft {
         std::uint64_t trial = 0;
         std::string text;
+        std::string before{};  ///< fingerprint of the file that it is to replace
+        bool is_being_kept = false;
     };
     using Late = std::function<std::optional<HttpAnswer>()>;
     using Reply = std::variant<HttpAnswer, Late>;
@@ -174,7 +176,8 @@ class Site {
     Reply ask_at(const std::string& socket, std::string_view line, Instant now, FromLine as_answer,
                  Duration patience);
     static std::optional<HttpAnswer> why_no_draft(const Asked& asked, const std::string& text);
-    Reply run_draft(const KnownDaemon& daemon, std::string text, std::int64_t seconds, Instant now);
+    Reply run_draft(const KnownDaemon& daemon, Draft draft, std::int64_t seconds, Instant now);
+    Reply keep_own_draft(const Asked& asked, Draft& draft);
 
     bool begin_stream(SocketClient& client, const Asked& asked);
     bool send_to_stream(const std::shared_ptr<Stream>& stream, SocketClient& client, Instant now);

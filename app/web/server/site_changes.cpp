@@ -49,12 +49,13 @@ HttpAnswer changed_meanwhile(const std::string& present) {
 HttpAnswer not_kept(const std::string& outcome, const std::filesystem::path& file) {
     const auto told = parse_json(outcome);
     const std::string why = status_fields::text(told, "error");
-    if (status_fields::flag(told, "unanswered")) {
+    // One that ends may still have kept it.
+    if (status_fields::flag(told, "unanswered") || why == "nothing runs any more") {
         return refused(502, why + "; whether it kept the draft is seen when it answers again");
     }
     return why.ends_with("since the draft went on trial")
                ? changed_meanwhile(fingerprint_of(file))
-               : refused(409, why + "; the file is as before");
+               : refused(409, why + "; nothing was changed now");
 }
 
 std::optional<std::uint64_t> trial_in(const HttpRequest& request) {
@@ -120,7 +121,8 @@ Site::Reply Site::begin_draft(const Asked& asked) {
     if (daemon.tells.empty()) {
         return refused(502, fmt::format("no daemon runs {}", daemon.name));
     }
-    return run_draft(daemon, *std::move(text), seconds, now);
+    return run_draft(daemon, {.text = *std::move(text), .before = tag_in(request.if_match)},
+                     seconds, now);
 }
 
 /// Without a daemon nothing can be tried: the file had mistakes, or its service is off.
@@ -142,9 +144,9 @@ Site::Reply Site::save(const Asked& asked) {
 }
 
 /// Asks for the folder, writes the draft there, and lets it run.
-Site::Reply Site::run_draft(const KnownDaemon& daemon, std::string text, std::int64_t seconds,
+Site::Reply Site::run_draft(const KnownDaemon& daemon, Draft draft, std::int64_t seconds,
                             Instant now) {
-    const auto own = std::make_shared<Draft>(Draft{.trial = 0, .text = std::move(text)});
+    const auto own = std::make_shared<Draft>(std::move(draft));
     auto folder = ask_to_change(daemon, "draft", now, as_it_is);
     if (std::holds_alternative<HttpAnswer>(folder)) {
         return folder;
@@ -179,8 +181,7 @@ Site::Reply Site::run_draft(const KnownDaemon& daemon, std::string text, std::in
     });
 }
 
-/// The daemon alone decides, and puts the file in place. This only writes the successor of the file
-/// beside it, which shows that it may write there. A trial that another program began has none.
+/// A trial that another program began is confirmed without a file.
 Site::Reply Site::keep_draft(const Asked& asked) {
     const KnownDaemon& daemon = asked.daemon;
     const auto trial = trial_in(asked.request);
@@ -192,21 +193,53 @@ Site::Reply Site::keep_draft(const Asked& asked) {
     }
     const auto draft = drafts_.find(daemon.name);
     if (draft != drafts_.end() && draft->second.trial == *trial) {
-        const auto written = write_next_configuration(daemon.file, draft->second.text,
-                                                      settings_.state / "history" / daemon.name);
-        if (!written) {
-            return refused(500, written.error() + "; the file is as before");
-        }
+        return keep_own_draft(asked, draft->second);
     }
     return ask_to_change(
         daemon, fmt::format("confirm {}", *trial), asked.now,
-        [this, file = daemon.file, name = daemon.name](const std::string& outcome) {
+        [file = daemon.file](const std::string& outcome) {
+            return as_it_is(outcome).status == 200
+                       ? json_answer({{"kept", true}, {"fingerprint", fingerprint_of(file)}})
+                       : not_kept(outcome, file);
+        },
+        kReloadPatience);
+}
+
+/// The daemon alone decides, and puts the file in place. This only writes the successor of the file
+/// beside it, which shows that it may write there.
+Site::Reply Site::keep_own_draft(const Asked& asked, Draft& draft) {
+    const KnownDaemon& daemon = asked.daemon;
+    if (draft.is_being_kept) {
+        return refused(409, "this draft is being kept already");
+    }
+    const std::string present = fingerprint_of(daemon.file);
+    if (present != draft.before) {
+        return changed_meanwhile(present);
+    }
+    const auto written = write_next_configuration(daemon.file, draft.text,
+                                                  settings_.state / "history" / daemon.name);
+    if (!written) {
+        return refused(500, written.error() + "; the file is as before");
+    }
+    draft.is_being_kept = true;
+    return ask_to_change(
+        daemon, fmt::format("confirm {}", draft.trial), asked.now,
+        [this, file = daemon.file, name = daemon.name, trial = draft.trial,
+         wanted = fingerprint(draft.text)](const std::string& outcome) {
+            remove_successor(linked_file(file));
+            const auto own = drafts_.find(name);
+            if (own != drafts_.end() && own->second.trial == trial) {
+                own->second.is_being_kept = false;
+            }
             if (as_it_is(outcome).status != 200) {
-                remove_successor(linked_file(file));
                 return not_kept(outcome, file);
             }
+            // By SIGHUP the file itself may have gone on trial in place of the draft.
+            if (fingerprint_of(file) != wanted) {
+                return refused(409, "what the file has was on trial, and is kept");
+            }
             drafts_.erase(name);
-            return json_answer({{"kept", true}, {"fingerprint", fingerprint_of(file)}});
+            return json_answer({{"kept", true}, {"fingerprint", wanted}});
         },
         kReloadPatience);
 }

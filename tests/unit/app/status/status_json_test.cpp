@@ -208,6 +208,8 @@ TEST_F(StatusJson, SaysWhyAnOutputIsNotInControl) {
     output().state.stage = OutputStage::failsafe;
     output().sends = true;
     EXPECT_EQ(why(), "it sends its presets; " + awaited + other);
+    configuration_.pipelines[0].failsafe[0].action = FailsafeAction::hold;
+    EXPECT_EQ(why(), "it sends the last values; " + awaited + other);
     output().sends = false;
     report_.inputs[1].status.state = {.cause = LinkCause::good};
     output().state.outvoted = 2;
