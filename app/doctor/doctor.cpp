@@ -35,7 +35,7 @@
 #include "pipelines/realtime/clock.h"
 #include "transports/links/evdev/evdev_link.h"
 #include "transports/links/gpio/gpio_line.h"
-#include "transports/links/pulse_line/spi_link.h"
+#include "transports/links/spi/spi_link.h"
 
 namespace tribus {
 namespace {
@@ -112,12 +112,12 @@ void take_gpio(const std::string& device, std::span<const GpioChip> chips, Repor
     }
 }
 
-/// Opens a port that may be opened, to see whether it takes the settings of PPM. Sends nothing.
+/// Opens a port that may be opened, to see whether it takes its settings. Sends nothing: an output
+/// may be using it.
 void take_spi_port(const KernelFiles& files, const std::string& device, Report& report) {
     SpiFacts facts = look_at_spi_port(files, device);
     if (facts.access.may_open) {
-        const auto link = SpiLink::open(facts.device, 1.0, {.now = monotonic_now});
-        facts.refusal = link ? "" : link.error().substr(facts.device.size() + std::strlen(": "));
+        facts.refusal = why_no_spi_port(facts.device);
     }
     append(report.findings, judge_spi_port(facts, true));
     report.spi.push_back(std::move(facts));

@@ -220,6 +220,15 @@ std::vector<std::string> obstacles(const Configuration& running, const Configura
         before.cpu != after.cpu) {
         found.emplace_back("[runtime] changes the scheduling of the data thread");
     }
+    for (const OutputConfig& was : running.outputs) {
+        for (const OutputConfig& becomes : fresh.outputs) {
+            const std::string& device = becomes.port.device;
+            if (was.port.medium != becomes.port.medium && was.port.device == device &&
+                device.starts_with("/dev/")) {
+                found.emplace_back(device + " is used in another way, and must be closed first");
+            }
+        }
+    }
     if (running.lines != fresh.lines) {
         found.emplace_back(
             "the GPIO lines have changed, and the program must release the old ones first");

@@ -125,8 +125,9 @@ void check_devices(const Draft& draft, Mistakes& mistakes) {
         port_uses(draft), [](const PortUse& use) { return use.port->where.line; },
         [&](const PortUse& earlier, const PortUse& later) {
             const PortConfig& port = *earlier.port;
-            if (port.medium->users != Users::many && port.medium == later.port->medium &&
-                port.device == later.port->device) {
+            // A path is one device, in whatever way it is used.
+            const bool same = port.medium == later.port->medium || port.device.starts_with("/dev/");
+            if (port.medium->users != Users::many && same && port.device == later.port->device) {
                 check_pair(earlier, later, mistakes);
             }
         });

@@ -76,6 +76,9 @@ struct Medium {
     WireShape shape = WireShape::bytes;
     /// Of these only the protocols that name it (Protocol::only_on).
     bool only_own_protocols = false;
+    /// Of these only outputs, and of those only what has an inverted wire
+    /// (LineSettings::inverted_wire): it draws the wire itself.
+    bool draws_inverted = false;
     /// The key of an input or output that names the place: a device, an interface.
     Setting place;
     /// The default of that key in the manual: "required on CAN".

@@ -34,16 +34,18 @@ std::span<const Medium* const> media() {
     return kMedia;
 }
 
-bool carries(const Medium& medium, const Protocol& protocol) {
-    return medium.shape == protocol.shape &&
+bool carries(const Medium& medium, const Protocol& protocol, SettingScope way) {
+    const bool drawn = way != SettingScope::input && protocol.line.inverted_wire &&
+                       protocol.goes(SettingScope::output);
+    return medium.shape == protocol.shape && (!medium.draws_inverted || drawn) &&
            (protocol.only_on.empty() ? !medium.only_own_protocols
                                      : protocol.only_on == medium.name);
 }
 
-std::vector<const Medium*> media_for(const Protocol& protocol) {
+std::vector<const Medium*> media_for(const Protocol& protocol, SettingScope way) {
     std::vector<const Medium*> found;
     std::ranges::copy_if(media(), std::back_inserter(found),
-                         [&protocol](const Medium* medium) { return carries(*medium, protocol); });
+                         [&](const Medium* medium) { return carries(*medium, protocol, way); });
     return found;
 }
 

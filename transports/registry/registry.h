@@ -24,9 +24,10 @@ inline constexpr std::array<std::string_view, 2> kValueProtocols{"crsf-telemetry
 /// All media of the program, one line each in the source. Reentrant.
 std::span<const Medium* const> media();
 
-/// Whether inputs or outputs of the protocol can use the medium. Reentrant.
-bool carries(const Medium& medium, const Protocol& protocol);
+/// Whether inputs, outputs, or either of the protocol can use the medium. Reentrant.
+bool carries(const Medium& medium, const Protocol& protocol, SettingScope way = SettingScope::both);
 /// The media that carry the protocol, at least one; the usual one first. Reentrant.
-std::vector<const Medium*> media_for(const Protocol& protocol);
+std::vector<const Medium*> media_for(const Protocol& protocol,
+                                     SettingScope way = SettingScope::both);
 
 }  // namespace tribus

@@ -1,8 +1,9 @@
-#include "transports/links/pulse_line/spi_link.h"
+#include "transports/links/spi/spi_link.h"
 
 #include <linux/spi/spidev.h>
 #include <sys/ioctl.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
@@ -21,6 +22,8 @@
 #include "tests/support/nothing_to_read.h"
 #include "tests/support/seen_within.h"
 #include "transports/links/pulse_line/pulse_line_medium.h"
+#include "transports/links/pulse_line/waveform.h"
+#include "transports/links/spi/spi_serial_medium.h"
 
 /// The link that makes pulses with an SPI port, with a stand-in for spidev.
 namespace tribus::test::spi_link_test {
@@ -41,6 +44,9 @@ class SpiPort : public DeviceStandIn {
 
     Answer control(unsigned long request, void* argument) override {
         switch (request) {
+            case SPI_IOC_WR_MODE32:
+                mode = static_cast<int>(*static_cast<std::uint32_t*>(argument));
+                return knows_idle_low ? 0 : -EINVAL;
             case SPI_IOC_WR_MODE:
                 mode = *static_cast<std::uint8_t*>(argument);
                 return 0;
@@ -56,6 +62,13 @@ class SpiPort : public DeviceStandIn {
     }
 
     Answer write(std::span<const std::uint8_t> bytes) override {
+        const auto bytes_ns = static_cast<std::int64_t>(static_cast<double>(bytes.size()) * 1e9 *
+                                                        clocks_a_byte / speed * slowness);
+        waited_ns += bytes_ns + kCallNs;
+        ++writes;
+        if (std::ranges::all_of(bytes, [](std::uint8_t byte) { return byte == 0; })) {
+            return static_cast<long>(bytes.size());
+        }
         ++begun;
         if (keeps) {
             let_go.acquire();
@@ -70,10 +83,19 @@ class SpiPort : public DeviceStandIn {
         return sent;
     }
 
+    /// The time that bytes take on its line is added to that of the machine.
+    static Instant now() { return monotonic_now() + Duration(waited_ns.load()); }
+    static inline std::atomic<std::int64_t> waited_ns = 0;
+    static constexpr std::int64_t kCallNs = 40'000;
+
+    std::atomic<int> writes = 0;
+    bool knows_idle_low = false;
+    double clocks_a_byte = 8;
+    std::atomic<double> slowness = 1;  ///< of its clock
     Answer opening{};
     int mode = -1;
     int bits = -1;
-    std::uint32_t speed = 0;
+    std::atomic<std::uint32_t> speed = 0;
     std::atomic<int> failure = 0;
     std::atomic<int> missing = 0;
     std::atomic<bool> keeps = false;
@@ -85,19 +107,19 @@ class SpiPort : public DeviceStandIn {
     std::vector<Bytes> sent;
 };
 
-std::unique_ptr<SpiLink> opened(double calibration = 1) {
-    auto link = SpiLink::open(kDevice, calibration, {.now = monotonic_now});
+std::unique_ptr<SpiLink> opened() {
+    auto link = SpiLink::open(kDevice, pulse_signal(1), {.now = SpiPort::now});
     EXPECT_TRUE(link.has_value()) << (link ? "" : link.error());
     return link ? std::move(*link) : nullptr;
 }
 
 std::string refusal() {
-    const auto link = SpiLink::open(kDevice, 1, {.now = monotonic_now});
+    const auto link = SpiLink::open(kDevice, pulse_signal(1), {.now = SpiPort::now});
     return link ? "it opened" : link.error();
 }
 
 FrameLife long_lived() {
-    return {.made = monotonic_now(), .valid_for = 60s};
+    return {.made = SpiPort::now(), .valid_for = 60s};
 }
 
 /// Bits that are 1 from each first up to the second, as bytes with the highest bit first.
@@ -116,12 +138,45 @@ Bytes frame() {
     return ppm_frame({1000});
 }
 
-TEST(SpiLink, SendsEightBitsAt1MegahertzInMode0) {
+TEST(SpiLink, SendsEightBitsInMode0SoThatABitIsAMicrosecond) {
     const SpiPort port;
     const auto link = opened();
     EXPECT_EQ(port.mode, SPI_MODE_0);
     EXPECT_EQ(port.bits, 8);
-    EXPECT_EQ(port.speed, 1'000'000U);
+    EXPECT_NEAR(port.speed, 1'000'000, 5'000);
+}
+
+/// A Raspberry Pi without DMA needs nine clocks for a byte: it is asked for more of them.
+TEST(SpiLink, MeasuresHowManyClocksAByteTakes) {
+    SpiPort port;
+    port.clocks_a_byte = 9;
+    const auto link = opened();
+    EXPECT_NEAR(port.speed, 1'125'000, 6'000);
+}
+
+/// Linux 6.5 (include/uapi/linux/spi/spi.h, SPI_MOSI_IDLE_LOW).
+TEST(SpiLink, AsksForADataLineThatRestsLow) {
+    SpiPort port;
+    port.knows_idle_low = true;
+    const auto link = opened();
+    EXPECT_EQ(port.mode, SPI_MODE_0 | 1 << 17);
+}
+
+/// An output may be using it.
+TEST(SpiLink, IsLookedAtWithoutSendingAnything) {
+    SpiPort port;
+    EXPECT_EQ(why_no_spi_port(kDevice), "");
+    EXPECT_EQ(port.writes, 0);
+    EXPECT_EQ(port.speed, 0U);
+    port.opening = -EACCES;
+    EXPECT_TRUE(why_no_spi_port(kDevice).starts_with("this user may not use it"));
+}
+
+TEST(SpiLink, RefusesAPortThatNeedsNoTime) {
+    SpiPort port;
+    port.slowness = 0;
+    EXPECT_NE(refusal().find("so it is no SPI port that sends by a clock"), std::string::npos)
+        << refusal();
 }
 
 TEST(SpiLink, SaysWhatIsInItsWay) {
@@ -134,14 +189,16 @@ TEST(SpiLink, SaysWhatIsInItsWay) {
 }
 
 TEST(SpiLink, RefusesAPortThatRefusesAnyOfItsSettings) {
-    for (const unsigned long request :
-         {SPI_IOC_WR_MODE, SPI_IOC_WR_BITS_PER_WORD, SPI_IOC_WR_MAX_SPEED_HZ}) {
+    for (const unsigned long request : {SPI_IOC_WR_MODE, SPI_IOC_WR_BITS_PER_WORD}) {
         SpiPort port;
         port.refused = {{request, EINVAL}};
         EXPECT_EQ(refusal(), std::string(kDevice) +
-                                 ": this is no SPI port that sends 8 bits at 1 "
-                                 "MHz; give one such as /dev/spidev0.0");
+                                 ": this is no SPI port that sends bytes of 8 bits; give one such "
+                                 "as /dev/spidev0.0");
     }
+    SpiPort port;
+    port.refused = {{SPI_IOC_WR_MAX_SPEED_HZ, EINVAL}};
+    EXPECT_EQ(refusal(), std::string(kDevice) + ": it refuses a transfer at 1000000 Hz");
 }
 
 TEST(SpiLink, SaysThatThereIsNoDescriptorLeftForItsThread) {
@@ -161,8 +218,8 @@ TEST(SpiLink, DrawsAFrameAsBits) {
 TEST(SpiLink, IsCalibratedAsTheConfigurationSays) {
     SpiPort port;
     const auto sent_with = [&](const SettingValues& settings) {
-        auto link = kPulseLineMedium.open(kDevice,
-                                          {.settings = settings, .worker = {.now = monotonic_now}});
+        auto link =
+            kPulseLineMedium.open(kDevice, {.settings = settings, .worker = {.now = SpiPort::now}});
         EXPECT_TRUE(link.has_value()) << link.error();
         const std::size_t before = port.all_sent().size();
         (*link)->as_bytes()->write_asked(frame(), long_lived());
@@ -218,7 +275,7 @@ TEST(SpiLink, DropsAFrameThatIsTooOld) {
     SpiPort port;
     const auto link = opened();
     EXPECT_TRUE(seen_within([&] {
-        return link->write_asked(frame(), {.made = monotonic_now() - 1s, .valid_for = 1ms}) ==
+        return link->write_asked(frame(), {.made = SpiPort::now() - 1s, .valid_for = 1ms}) ==
                WriteStatus::busy;
     }));
     EXPECT_TRUE(port.all_sent().empty());
@@ -255,6 +312,21 @@ TEST(SpiLink, WithdrawsAFrameThatWaits) {
     link->write_asked(ppm_frame({1400}), long_lived());
     ASSERT_TRUE(seen_within([&] { return port.all_sent().size() == 2; }));
     EXPECT_EQ(port.all_sent()[1], bits(513, {{0, 300}, {1400, 1700}}));
+}
+
+/// Each bit of the line is a byte of the port (docs/protocols/sbus.md, "Line").
+TEST(SpiSerialPort, DrawsWhatAnInvertedLineCarries) {
+    SpiPort port;
+    port.clocks_a_byte = 9;
+    const LineSettings line{
+        .baud = 100'000, .parity = Parity::even, .stop_bits = 2, .inverted_wire = true};
+    auto link = kSpiSerialMedium.open(kDevice, {.line = line, .worker = {.now = SpiPort::now}});
+    ASSERT_TRUE(link.has_value()) << link.error();
+    EXPECT_NEAR(port.speed, 900'000, 4'500);
+    (*link)->as_bytes()->write_asked(Bytes{0x0F}, long_lived());
+    ASSERT_TRUE(seen_within([&] { return port.all_sent().size() == 1; }));
+    EXPECT_EQ(port.all_sent()[0],
+              (Bytes{0, 0, 0xFF, 0, 0, 0, 0, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0, 0, 0, 0}));
 }
 
 TEST(SpiLink, HasNothingToRead) {

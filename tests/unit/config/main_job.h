@@ -62,9 +62,9 @@ inline std::vector<std::string> mistakes_in(std::string_view text,
 }
 
 /// `; or "KEY": HELP` for each medium that carries the protocol of most tests, but the usual one.
-inline std::string other_places() {
+inline std::string other_places(SettingScope way = SettingScope::input) {
     std::string places;
-    for (const Medium* medium : media_for(*find_protocol("sbus"))) {
+    for (const Medium* medium : media_for(*find_protocol("sbus"), way)) {
         const std::string key(medium->place.key);
         places += key == "device" ? "" : "; or \"" + key + "\": " + std::string(medium->place.help);
     }

@@ -7,7 +7,8 @@
 
 #include "transports/links/gpio/gpio_line.h"
 #include "transports/links/pulse_line/edge_link.h"
-#include "transports/links/pulse_line/spi_link.h"
+#include "transports/links/pulse_line/waveform.h"
+#include "transports/links/spi/spi_link.h"
 
 namespace tribus {
 namespace {
@@ -31,15 +32,17 @@ constexpr std::array kPulseLineSettings{
             .scope = SettingScope::input,
             .help = "What holds the level while nothing drives the line",
             .example = "\"pull_up\""},
-    Setting{.key = "calibration",
-            .type = SettingType::number,
-            .fallback = "1",
-            .least = 0.95,
-            .most = 1.05,
-            .scope = SettingScope::output,
-            .help = "How much faster than 1 MHz the clock of the SPI port is: the channel that was "
-                    "asked for, divided by the one that was measured",
-            .example = "1.02"},
+    Setting{
+        .key = "calibration",
+        .type = SettingType::number,
+        .fallback = "1",
+        .least = 0.95,
+        .most = 1.05,
+        .scope = SettingScope::output,
+        .help =
+            "By how much pulses are too short, though the clock of the SPI port was measured: the "
+            "channel that was asked for, divided by the one that an instrument shows",
+        .example = "1.02"},
 };
 
 bool is_spi_device(const std::string& place) {
@@ -86,7 +89,8 @@ GpioBias bias_of(const SettingValues& settings) {
 tl::expected<std::unique_ptr<Link>, std::string> open_pulse_line(const std::string& place,
                                                                  const LinkUse& use) {
     if (is_spi_device(place)) {
-        return as_link(SpiLink::open(place, use.settings.get_or("calibration", 1.0), use.worker));
+        const double calibration = use.settings.get_or("calibration", 1.0);
+        return as_link(SpiLink::open(place, pulse_signal(calibration), use.worker));
     }
     const bool falling = use.settings.get_or("edge", std::string()) == "falling";
     return as_link(EdgeLink::open(place, falling ? GpioEdges::falling : GpioEdges::rising,

@@ -1,6 +1,7 @@
 #include "transports/links/pulse_line/waveform.h"
 
 #include <algorithm>
+#include <chrono>
 
 #include "core/edge_records.h"
 #include "core/rounding.h"
@@ -16,7 +17,7 @@ constexpr std::size_t kBitsAByte = 8;
 constexpr double kPulseMicroseconds = 300;
 
 /// Sets the bits from `begin` up to `end`.
-void set_bits(Waveform& waveform, std::size_t begin, std::size_t end) {
+void set_bits(SpiWaveform& waveform, std::size_t begin, std::size_t end) {
     for (std::size_t bit = begin; bit < end; ++bit) {
         waveform.bits[bit / kBitsAByte] |= static_cast<std::uint8_t>(0x80U >> bit % kBitsAByte);
     }
@@ -24,7 +25,7 @@ void set_bits(Waveform& waveform, std::size_t begin, std::size_t end) {
 
 }  // namespace
 
-bool draw_pulses(std::span<const std::uint8_t> records, double calibration, Waveform& waveform) {
+bool draw_pulses(std::span<const std::uint8_t> records, double calibration, SpiWaveform& waveform) {
     constexpr double kMostBits = kMostWaveformBytes * kBitsAByte;
     const auto bits_of = [calibration](double microseconds) {
         return static_cast<std::size_t>(nearest_whole(microseconds * calibration));
@@ -50,6 +51,13 @@ bool draw_pulses(std::span<const std::uint8_t> records, double calibration, Wave
     }
     waveform.bytes = (bits_of(at) + kBitsAByte - 1) / kBitsAByte;
     return any_edge;
+}
+
+SpiSignal pulse_signal(double calibration) {
+    return {.byte_time = std::chrono::microseconds(kBitsAByte),
+            .draw = [calibration](std::span<const std::uint8_t> frame, SpiWaveform& waveform) {
+                return draw_pulses(frame, calibration, waveform);
+            }};
 }
 
 }  // namespace tribus

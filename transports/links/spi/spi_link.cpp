@@ -1,4 +1,4 @@
-#include "transports/links/pulse_line/spi_link.h"
+#include "transports/links/spi/spi_link.h"
 
 #include <unistd.h>
 
@@ -8,8 +8,8 @@
 
 namespace tribus {
 
-SpiLink::SpiLink(UniqueFd port, double calibration)
-    : port_(std::move(port)), calibration_(calibration) {}
+SpiLink::SpiLink(UniqueFd port, SpiSignal signal)
+    : port_(std::move(port)), signal_(std::move(signal)) {}
 
 ReadStatus SpiLink::read(Reception& reception) {
     reception.count = 0;
@@ -37,15 +37,15 @@ bool SpiLink::keep_frame(std::span<const std::uint8_t> frame, FrameLife life) {
 
 /// Draws the frame that waits. Returns false if none does.
 bool SpiLink::take_frame(Instant& valid_until) {
-    std::array<std::uint8_t, kMostFrameBytes> records{};
+    std::array<std::uint8_t, kMostFrameBytes> frame{};
     std::size_t bytes = 0;
     {
         const std::scoped_lock lock(mutex_);
-        records = waiting_;
+        frame = waiting_;
         bytes = std::exchange(waiting_bytes_, 0);
         valid_until = waiting_until_;
     }
-    return draw_pulses(std::span(records).first(bytes), calibration_, waveform_);
+    return signal_.draw(std::span(frame).first(bytes), waveform_);
 }
 
 /// The worker sends the frame that waits, if one does.

@@ -3,37 +3,47 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 
 #include <tl/expected.hpp>
 
 #include "transports/links/link.h"
 #include "transports/links/link_worker.h"
-#include "transports/links/pulse_line/waveform.h"
+#include "transports/links/spi/waveform.h"
 #include "transports/links/unique_fd.h"
 
 namespace tribus {
 
-/// Makes pulses with the data line (MOSI) of an SPI port: one bit is one microsecond, and the
-/// hardware times them. The kernel keeps a writer waiting for a whole frame, so a thread of the
-/// link hands frames to it; it takes the newest only. `write` neither waits nor uses the heap.
-/// Thread-bound.
+/// What a protocol wants of the data line.
+struct SpiSignal {
+    /// So long a byte of the port must last: the rate is searched for when the port is opened
+    /// (spi_clock.h).
+    Duration byte_time{};
+    /// Draws a frame. False: there is nothing to send. Only the thread of the link calls it.
+    std::function<bool(std::span<const std::uint8_t> frame, SpiWaveform& waveform)> draw;
+};
+
+/// Draws frames with the data line (MOSI) of an SPI port; the hardware times them. The kernel keeps
+/// a writer waiting for a whole frame, so a thread of the link hands frames to it; it takes the
+/// newest only. `write` neither waits nor uses the heap. Thread-bound.
 class SpiLink final : public ByteLink {
   public:
-    /// `calibration`: how much faster than it should the port's clock is. The error begins with the
-    /// device and says what to do.
+    /// Sends zeros to measure the port, for up to a second: the line stays down. The error begins
+    /// with the device and says what to do.
     static tl::expected<std::unique_ptr<SpiLink>, std::string> open(const std::string& device,
-                                                                    double calibration,
+                                                                    SpiSignal signal,
                                                                     const WorkerSettings& worker);
     /// Ends after the frame that is on the line.
     ~SpiLink() override = default;
 
     /// Nothing arrives.
     ReadStatus read(Reception& reception) override;
-    /// Takes the records of one frame (core/edge_records.h). Records without an edge withdraw a
-    /// frame that waits. `busy`: the thread is taking the frame before, or dropped it because it
+    /// Takes one frame, of which `SpiSignal::draw` may make nothing: that withdraws a frame that
+    /// waits. `busy`: the thread is taking the frame before, or dropped it because it
     /// was too old; `unavailable` while the kernel refuses frames or does not send them, or the
     /// thread gets no processor time; `lost` when the device is gone.
     WriteStatus write(std::span<const std::uint8_t> frame) override {
@@ -45,7 +55,7 @@ class SpiLink final : public ByteLink {
     int descriptor() const override { return -1; }
 
   private:
-    SpiLink(UniqueFd port, double calibration);
+    SpiLink(UniqueFd port, SpiSignal signal);
     bool keep_frame(std::span<const std::uint8_t> frame, FrameLife life);
     bool take_frame(Instant& valid_until);
     WriteStatus send_newest();
@@ -53,14 +63,17 @@ class SpiLink final : public ByteLink {
     static constexpr std::size_t kMostFrameBytes = 96;
 
     UniqueFd port_;
-    double calibration_;
+    SpiSignal signal_;
     std::mutex mutex_;  ///< the data thread only tries it
     std::array<std::uint8_t, kMostFrameBytes> waiting_{};
     std::size_t waiting_bytes_ = 0;
     Instant waiting_until_{};
     WriteStatus outcome_ = WriteStatus::written;  ///< of the thread
-    Waveform waveform_;                           ///< of the thread
+    SpiWaveform waveform_;                        ///< of the thread
     LinkWorker worker_;
 };
+
+/// Why the port can draw nothing, as far as that is seen without sending; empty if it can.
+std::string why_no_spi_port(const std::string& device);
 
 }  // namespace tribus

@@ -96,6 +96,15 @@ TEST(CarryOver, SaysWhatCannotChangeWithoutAStop) {
         1U);
     const std::string lamp = "[gpio.lamp]\nline = \"GPIO17\"\nrole = \"link\"\n";
     EXPECT_EQ(carry_over(kJob + lamp, kJob + lamp).obstacles.size(), 0U);
+    const std::string pulses = "protocol = \"ppm\"\nline = \"/dev/spidev0.0\"\n";
+    const std::string drawn = "protocol = \"sbus\"\nspi = \"/dev/spidev0.0\"\n";
+    const auto with = [](const std::string& output) {
+        return kJob + "[output.other]\n" + output +
+               "[pipeline.other]\nfrom = \"receiver\"\nto = \"other\"\n";
+    };
+    EXPECT_EQ(carry_over(with(drawn), with(pulses)).obstacles,
+              std::vector<std::string>{
+                  "/dev/spidev0.0 is used in another way, and must be closed first"});
     const std::string renamed =
         replaced(replaced(kJob, "[output.servos]", "[output.wings]"), "\"servos\"", "\"wings\"");
     EXPECT_EQ(carry_over(renamed + lamp, kJob + lamp).obstacles,

@@ -135,6 +135,7 @@ TEST(KeysOfAProtocol, AreThoseOfItsPlaceItsMediumAndItsOwn) {
     EXPECT_EQ(on(sbus, 0, SettingScope::input), (Names{"device", "baud", "scale", "inverted"}));
     EXPECT_EQ(on(sbus, 1, SettingScope::input), (Names{"address", "public", "sender", "scale"}));
     EXPECT_EQ(on(sbus, 1, SettingScope::output), (Names{"address", "public", "scale"}));
+    EXPECT_EQ(on(sbus, 2, SettingScope::output), (Names{"spi", "baud", "scale", "inverted"}));
     EXPECT_EQ(on(can, 0, SettingScope::input),
               (Names{"interface", "id", "extended", "fd", "crc", "channels", "key", "old_key",
                      "link", "epoch"}));
@@ -145,6 +146,8 @@ TEST(KeysOfAProtocol, RequireNoPlaceWhereThereAreSeveralMedia) {
     const auto sbus = protocol_keys(*find_protocol("sbus"), SettingScope::input);
     EXPECT_EQ(names_of(sbus),
               (Names{"device", "address", "public", "sender", "baud", "scale", "inverted"}));
+    const auto out = names_of(protocol_keys(*find_protocol("sbus"), SettingScope::output));
+    EXPECT_EQ(std::count(out.begin(), out.end(), "spi"), 1) << "an SPI port only sends";
     EXPECT_FALSE(sbus[0].setting.required);
     EXPECT_FALSE(sbus[1].setting.required);
     const auto can = protocol_keys(*find_protocol("can"), SettingScope::output);

@@ -130,9 +130,9 @@ TEST(SectionsOfTheManual, HaveTheKeysOfAllMediaOfInputsAndOutputs) {
     const ManualSection output = section("`[output.NAME]`");
     EXPECT_EQ(output.way, SettingScope::output);
     EXPECT_EQ(key_names(output),
-              (Texts{"protocol", "device", "address", "name", "chip", "line", "interface", "period",
-                     "force", "schedule", "phase", "public", "output_enable", "calibration",
-                     "foreign_sender"}));
+              (Texts{"protocol", "device", "address", "spi", "name", "chip", "line", "interface",
+                     "period", "force", "schedule", "phase", "public", "output_enable",
+                     "calibration", "foreign_sender"}));
 }
 
 TEST(SectionsOfTheManual, TellWhereAPlaceIsRequired) {

@@ -15,7 +15,7 @@ namespace {
 /// Where the line is up: first bit, and the first one behind it.
 using Ups = std::vector<std::pair<std::size_t, std::size_t>>;
 
-Ups ups_of(const Waveform& waveform) {
+Ups ups_of(const SpiWaveform& waveform) {
     Ups ups;
     bool before = false;
     for (std::size_t bit = 0; bit <= waveform.bytes * 8; ++bit) {
@@ -32,7 +32,7 @@ Ups ups_of(const Waveform& waveform) {
 }
 
 Ups drawn(const Bytes& records, double calibration = 1) {
-    Waveform waveform;
+    SpiWaveform waveform;
     EXPECT_TRUE(draw_pulses(records, calibration, waveform));
     return ups_of(waveform);
 }
@@ -43,7 +43,7 @@ TEST(Waveform, HasAPulseOf300MicrosecondsAtEachEdge) {
 }
 
 TEST(Waveform, EndsWithThePauseBehindTheLastEdge) {
-    Waveform waveform;
+    SpiWaveform waveform;
     ASSERT_TRUE(draw_pulses(ppm_frame({1500, 1000, 2000, 1236}), 1, waveform));
     EXPECT_EQ(waveform.bytes * 8, 1500U + 1000 + 2000 + 1236 + 2700 + 4) << "whole bytes";
     ASSERT_TRUE(draw_pulses(ppm_frame({1500}), 1, waveform)) << "what was drawn before is gone";
@@ -52,7 +52,7 @@ TEST(Waveform, EndsWithThePauseBehindTheLastEdge) {
 
 TEST(Waveform, HasAsManyBytesAsItsBitsNeed) {
     const auto bytes_of = [](double last) {
-        Waveform waveform;
+        SpiWaveform waveform;
         EXPECT_TRUE(draw_pulses(ppm_frame({last}), 1, waveform));
         return waveform.bytes;
     };
@@ -65,7 +65,7 @@ TEST(Waveform, HasRoomForExactly32768Bits) {
     const auto fits = [](std::uint32_t eighths) {
         Bytes records = edge_record(Edge::seen, 0);
         append(records, edge_record(Edge::seen, eighths));
-        Waveform waveform;
+        SpiWaveform waveform;
         return draw_pulses(records, 1, waveform);
     };
     EXPECT_TRUE(fits(32468 * 8));
@@ -73,7 +73,7 @@ TEST(Waveform, HasRoomForExactly32768Bits) {
 }
 
 TEST(Waveform, IsEmptyWhereItCouldNotBeDrawn) {
-    Waveform waveform;
+    SpiWaveform waveform;
     ASSERT_TRUE(draw_pulses(ppm_frame({1500}), 1, waveform));
     EXPECT_FALSE(draw_pulses(Bytes{1, 2, 3, 4, 5}, 1, waveform));
     EXPECT_EQ(waveform.bytes, 0U);
@@ -93,13 +93,13 @@ TEST(Waveform, HasRoomForTwelveOfTheLongestChannels) {
     // As the encoder writes them, on the fastest clock that a configuration allows.
     Bytes longest = ppm_edges(std::vector<double>(12, 2300));
     append(longest, edge_record(Edge::quiet, 3000 * 8));
-    Waveform waveform;
+    SpiWaveform waveform;
     EXPECT_TRUE(draw_pulses(longest, 1.05, waveform));
     EXPECT_FALSE(draw_pulses(longest, 1.1, waveform));
 }
 
 TEST(Waveform, IsNoneWithoutAnEdgeOrOfWrongRecords) {
-    Waveform waveform;
+    SpiWaveform waveform;
     EXPECT_FALSE(draw_pulses(quiet_record(), 1, waveform));
     EXPECT_FALSE(draw_pulses({}, 1, waveform));
     Bytes wrong = ppm_frame({1500});
