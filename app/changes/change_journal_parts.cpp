@@ -12,10 +12,7 @@ namespace tribus {
 
 void ChangeJournal::take_names(const Appliance& appliance) {
     const Configuration& configuration = appliance.configuration();
-    input_names_.clear();
-    for (const InputConfig& input : configuration.inputs) {
-        input_names_.push_back(input.name);
-    }
+    input_names_ = input_names(configuration);
     output_names_.clear();
     inputs_of_.clear();
     for (std::size_t i = 0; i < configuration.outputs.size(); ++i) {

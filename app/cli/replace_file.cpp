@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <system_error>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -35,6 +36,12 @@ bool write_all(int descriptor, std::string_view text) {
         text.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
     }
     return true;
+}
+
+fs::path linked_file(const fs::path& file) {
+    std::error_code error;
+    fs::path target = fs::weakly_canonical(file, error);
+    return error ? file : target;
 }
 
 fs::path successor_of(const fs::path& file) {

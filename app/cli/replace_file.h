@@ -21,6 +21,9 @@ bool write_all(int descriptor, std::string_view text);
 tl::expected<void, std::string> replace_file(const std::filesystem::path& file,
                                              std::string_view text, mode_t usual);
 
+/// The file behind `file` if that is a link. The link stays if this one is replaced.
+std::filesystem::path linked_file(const std::filesystem::path& file);
+
 /// Its two halves, for a file that one process writes and another one puts in place. The successor
 /// is a hidden file beside `file`, and on the disk when this returns.
 tl::expected<void, std::string> write_successor(const std::filesystem::path& file,

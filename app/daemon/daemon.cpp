@@ -200,7 +200,7 @@ void Daemon::restart() {
     show_started();
 }
 
-/// Of an appliance that will stop, or has.
+/// Takes the last changes of an appliance that will stop, or has.
 void Daemon::tell_the_last_changes() {
     const Instant now = monotonic_now();
     journal_.look(*appliance_, now, wall_time_now());

@@ -7,7 +7,6 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
-#include <system_error>
 #include <utility>
 
 #include "app/cli/replace_file.h"
@@ -117,10 +116,7 @@ std::unique_ptr<Preparation> Preparation::keeping(DraftToKeep draft) {
         if (!present) {
             return tl::unexpected(std::move(present.error()));
         }
-        // A link stays; what it leads to is replaced.
-        std::error_code unresolved;
-        const auto resolved = std::filesystem::weakly_canonical(draft.path, unresolved);
-        const auto file = unresolved ? std::filesystem::path(draft.path) : resolved;
+        const std::filesystem::path file = linked_file(draft.path);
         const auto successor = read_configuration_text(successor_of(file), FileKinds::draft);
         const bool has_it = *present == draft.text;
         if (!has_it && (!successor || *successor != draft.text)) {

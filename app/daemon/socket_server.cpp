@@ -155,10 +155,10 @@ bool SocketServer::serve_client(SocketClient& client, Instant now) {
     if (client.repeats() && client.has_read_all()) {
         client.passed(now);
     }
-    const bool has_all = client.ended() && client.ready() && !client.waits();
     if (client.done() && client.discards()) {
         return client.discard(now);
     }
+    const bool has_all = client.ended() && client.ready() && !client.waits();
     return !client.done() && !(has_all && !client.repeats());
 }
 

@@ -9,6 +9,8 @@
 #include "app/journal/log_fields.h"
 #include "app/log/doctor_hint.h"
 #include "app/log/port_of.h"
+#include "app/state_text/cause_text.h"
+#include "app/state_text/part_text.h"
 #include "core/counted.h"
 
 namespace tribus {
@@ -18,8 +20,6 @@ namespace {
 constexpr Duration kFirstWait = std::chrono::seconds(3);
 /// A single collision or late reply costs one slot, which the receiver repeats.
 constexpr std::uint64_t kWorthLogging = 10;
-/// A receiver that is on sends a request each 7.7 ms.
-constexpr Duration kRequestTimeout = std::chrono::seconds(1);
 
 template <class... Arguments>
 void log_limited(RateLimit& limit, Instant now, LogLevel level,
@@ -61,13 +61,11 @@ std::string SensorBusLog::type_name(const Memory& memory, std::uint8_t type) {
     if (known == nullptr) {
         return fmt::format("a sensor of the unknown type {:02x}", type);
     }
-    std::string name = known->name;
-    std::ranges::replace(name, '_', ' ');
-    return name;
+    return in_words(known->name);
 }
 
 void SensorBusLog::look_at_sensor(const SensorBusState& state, Memory& memory, Instant now) {
-    const bool asked = state.latest_request && now - *state.latest_request < kRequestTimeout;
+    const bool asked = is_asked(state.latest_request, now);
     if (const auto swallowed = memory.asked.look(asked, memory.limit, now)) {
         const std::string note = swallowed_note(*swallowed);
         if (asked && state.first_address == 0) {

@@ -8,16 +8,12 @@
 #include <nlohmann/json.hpp>
 
 #include "app/cli/screen_parts.h"
+#include "app/state_text/cause_text.h"
 
 namespace tribus::monitor {
 namespace {
 
 using namespace screen;
-
-std::string words(std::string text) {
-    std::ranges::replace(text, '_', ' ');
-    return text;
-}
 
 std::string padded(std::string_view text, std::size_t width) {
     return fmt::format("{:{}} ", text, width);
@@ -54,10 +50,10 @@ std::string_view colour_of(const std::string& state) {
 std::string input_state(const Json& input) {
     const std::string state = status_fields::text(input, "state");
     if (state != "failsafe") {
-        return words(state);
+        return in_words(state);
     }
     const auto since = status_fields::number(input, "state_age_us");
-    return words(status_fields::text(input, "cause")) +
+    return in_words(status_fields::text(input, "cause")) +
            (since ? fmt::format(" {}", short_duration(us_of(input, "state_age_us"))) : "");
 }
 
@@ -81,12 +77,12 @@ std::string output_state(const Json& output) {
     const std::string input = status_fields::text(output, "input");
     const std::string module = status_fields::text(output, "module");
     if (module == "silent" || module == "unreadable") {
-        return words(state) + ", module " + module;
+        return in_words(state) + ", module " + module;
     }
     if (state == "control" && !input.empty()) {
         return "control of " + input;
     }
-    return words(state);
+    return in_words(state);
 }
 
 std::string awaited_text(const Json& output) {
@@ -124,7 +120,7 @@ std::string port_line(const Json& port, const ScreenStyle& style) {
     Line line(style);
     const Json& can = status_fields::field(port, "can");
     const std::string state = !status_fields::flag(port, "present") ? "GONE"
-                              : can.is_object() ? words(status_fields::text(can, "state"))
+                              : can.is_object() ? in_words(status_fields::text(can, "state"))
                                                 : "there";
     const bool fine = state == "there" || state == "ready";
     line.add("  " + padded(status_fields::text(port, "name"), 20));
@@ -149,7 +145,7 @@ std::string bus_line(const Json& bus, const ScreenStyle& style) {
             status_fields::count(counts, "replies"), status_fields::count(counts, "misses")));
         for (const Json& fault : status_fields::list(bus, "faults")) {
             line.add(fmt::format("  address {}: {}", status_fields::count(fault, "address"),
-                                 words(status_fields::text(fault, "fault"))),
+                                 in_words(status_fields::text(fault, "fault"))),
                      kYellow);
         }
     } else {

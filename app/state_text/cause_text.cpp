@@ -99,6 +99,12 @@ std::string as_word(std::string_view name) {
     return word;
 }
 
+std::string in_words(std::string_view word) {
+    std::string words(word);
+    std::ranges::replace(words, '_', ' ');
+    return words;
+}
+
 std::string_view output_state_word(OutputStage stage, bool sends) {
     switch (stage) {
         case OutputStage::control:

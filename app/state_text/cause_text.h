@@ -21,6 +21,8 @@ std::string implausible_text(const ImplausibleFrames& implausible);
 
 /// A name as machines read it: "radio_lost".
 std::string as_word(std::string_view name);
+/// The other way round, for people: "radio lost".
+std::string in_words(std::string_view word);
 /// All words of the next function.
 inline constexpr std::array<std::string_view, 5> kOutputStateWords{"control", "hold", "failsafe",
                                                                    "silent", "cannot_send"};

@@ -1,5 +1,7 @@
 #include "app/state_text/part_text.h"
 
+#include <chrono>
+
 #include <fmt/format.h>
 
 namespace tribus {
@@ -7,6 +9,11 @@ namespace tribus {
 bool is_fine(const OutputState& state) {
     return state.stage == OutputStage::control && state.outvoted == 0 &&
            state.hearing != Hearing::silent && state.hearing != Hearing::unreadable;
+}
+
+bool is_asked(const std::optional<Instant>& latest_request, Instant now) {
+    constexpr Duration kRequestTimeout = std::chrono::seconds(1);
+    return latest_request && now - *latest_request < kRequestTimeout;
 }
 
 std::string can_bus_text(CanBusState state, const std::string& name) {

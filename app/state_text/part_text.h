@@ -1,9 +1,11 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "core/time.h"
 #include "pipelines/dronecan/node.h"
 #include "pipelines/engine/output.h"
 #include "transports/links/can/can_link.h"
@@ -15,6 +17,9 @@ inline constexpr std::string_view kGoneText = "is gone; waiting for it";
 
 /// Whether the user has nothing to do about an output in this state.
 bool is_fine(const OutputState& state);
+
+/// Whether a receiver asks the sensors of a bus: one that is on sends a request each 7.7 ms.
+bool is_asked(const std::optional<Instant>& latest_request, Instant now);
 
 /// The state of a CAN interface in words: "works".
 std::string can_bus_text(CanBusState state, const std::string& name);

@@ -92,6 +92,14 @@ std::string lack_text(const OutputWait& wait) {
 
 }  // namespace
 
+std::vector<std::string> input_names(const Configuration& configuration) {
+    std::vector<std::string> names;
+    for (const InputConfig& input : configuration.inputs) {
+        names.push_back(input.name);
+    }
+    return names;
+}
+
 std::string wait_text(const OutputState& state, const OutputWait& wait,
                       std::span<const std::string> inputs) {
     if (state.stage == OutputStage::cannot_send) {

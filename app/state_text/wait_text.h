@@ -3,12 +3,17 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
+#include "config/schema/schema.h"
 #include "core/time.h"
 #include "pipelines/engine/output.h"
 #include "pipelines/engine/output_wait.h"
 
 namespace tribus {
+
+/// Names of all inputs, by index, as the functions below want them.
+std::vector<std::string> input_names(const Configuration& configuration);
 
 /// Tells what an output waits for, and how far that is: "receiver: good for 0.2 of 0.5 s". Empty if
 /// it is in control. `inputs`: names of all inputs, by index.

@@ -30,14 +30,6 @@ constexpr std::array<std::string_view, 6> kObstacles{"",     "device",   "bus",
                                                      "busy", "receiver", "epoch"};
 constexpr std::array<std::string_view, 4> kHearings{"", "heard", "silent", "unreadable"};
 
-std::vector<std::string> input_names(const StatusPart& part) {
-    std::vector<std::string> names;
-    for (const InputConfig& input : configuration(part).inputs) {
-        names.push_back(input.name);
-    }
-    return names;
-}
-
 OrderedJson inputs(const StatusPart& part) {
     return names_of(of<OutputReport>(part).inputs, configuration(part).inputs);
 }
@@ -51,7 +43,7 @@ bool cannot_send(const StatusPart& part) {
     return status(part).state.stage == OutputStage::cannot_send;
 }
 OrderedJson text(const StatusPart& part) {
-    return output_text(status(part).state, input_names(part));
+    return output_text(status(part).state, input_names(configuration(part)));
 }
 OrderedJson state_age(const StatusPart& part) {
     return age(status(part).stage_since, part.report.now);
@@ -65,7 +57,8 @@ OrderedJson by_preset(const StatusPart& part) {
     return json;
 }
 OrderedJson waits_for(const StatusPart& part) {
-    return text_or_null(wait_text(status(part).state, status(part).wait, input_names(part)));
+    return text_or_null(
+        wait_text(status(part).state, status(part).wait, input_names(configuration(part))));
 }
 OrderedJson why(const StatusPart& part) {
     return text_or_null(output_why(part));

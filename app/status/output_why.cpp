@@ -14,15 +14,7 @@
 namespace tribus {
 namespace {
 
-std::vector<std::string> input_names(const Configuration& configuration) {
-    std::vector<std::string> names;
-    for (const InputConfig& input : configuration.inputs) {
-        names.push_back(input.name);
-    }
-    return names;
-}
-
-/// What the receiver of the output gets meanwhile.
+/// Says what the output sends while it is not in control.
 std::string sends_text(const OutputStatus& status, const FailsafeSettings* failsafe, Instant now) {
     if (status.state.stage == OutputStage::holding && failsafe != nullptr) {
         const Duration left = failsafe->hold - (now - status.stage_since);

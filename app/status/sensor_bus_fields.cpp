@@ -1,6 +1,4 @@
-#include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -9,6 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/state_text/cause_text.h"
+#include "app/state_text/part_text.h"
 #include "app/status/field_tables.h"
 #include "app/status/field_values.h"
 #include "config/schema/choices.h"
@@ -41,9 +41,6 @@ OrderedJson found_sensors(const StatusPart& part) {
     return json;
 }
 
-/// A receiver that is on sends a request each 7.7 ms.
-constexpr Duration kRequestTimeout = std::chrono::seconds(1);
-
 constexpr std::array<std::string_view, 3> kFaults{"none", "no_type", "wrong_size"};
 
 OrderedJson sensor_faults(const StatusPart& part) {
@@ -64,12 +61,6 @@ OrderedJson sensor_faults(const StatusPart& part) {
     return json;
 }
 
-std::string words_of(std::string_view name) {
-    std::string words(name);
-    std::ranges::replace(words, '_', ' ');
-    return words;
-}
-
 /// "reads external voltage at address 1; address 3 never reports its type"
 std::string receiver_text(const StatusPart& part) {
     const auto& bus = of<SensorBusState>(part);
@@ -82,7 +73,7 @@ std::string receiver_text(const StatusPart& part) {
         reads.push_back(fmt::format("{} at address {}",
                                     type == nullptr
                                         ? fmt::format("unknown type {:02x}", bus.found[i].type)
-                                        : words_of(type->name),
+                                        : in_words(type->name),
                                     i + 1));
     }
     parts.push_back(reads.empty() ? "waits for a sensor that answers"
@@ -106,11 +97,11 @@ OrderedJson text(const StatusPart& part) {
     if (bus.is_receiver) {
         return receiver_text(part);
     }
-    if (!bus.latest_request || part.report.now - *bus.latest_request >= kRequestTimeout) {
+    if (!is_asked(bus.latest_request, part.report.now)) {
         return bus.latest_request ? "the receiver sends no more requests; waits for one"
                                   : "waits for the first request of a receiver";
     }
-    return bus.first_address == 0 ? "a receiver sends requests; waits for an address"
+    return bus.first_address == 0 ? "a receiver sends requests; waiting for an address"
                                   : "answers the receiver";
 }
 

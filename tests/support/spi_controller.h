@@ -15,8 +15,6 @@ namespace tribus::test {
 /// A model of an SPI controller: what its data line draws, and how long that takes.
 struct SpiController {
     double core_hz = 250e6;
-    /// How much faster the core has become than its driver knows.
-    double scale = 1;
     /// The clock is that of the core divided by a whole number, or by an even one.
     bool even_divider = true;
     /// 8, 9 (a Raspberry Pi without DMA), or something between.
@@ -34,7 +32,7 @@ struct SpiController {
         if (even_divider && std::fmod(divider, 2) != 0) {
             ++divider;
         }
-        return core_hz / divider * scale;
+        return core_hz / divider;
     }
     /// When each byte begins, in us from the first, and where the last one ends.
     std::vector<double> times_us(std::uint32_t asked_hz, std::size_t bytes) const {

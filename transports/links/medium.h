@@ -76,8 +76,8 @@ struct Medium {
     WireShape shape = WireShape::bytes;
     /// Of these only the protocols that name it (Protocol::only_on).
     bool only_own_protocols = false;
-    /// Of these only outputs, and of those only what has an inverted wire
-    /// (LineSettings::inverted_wire): it draws the wire itself.
+    /// It draws an inverted wire itself (LineSettings::inverted_wire), so only outputs with such a
+    /// wire can use it.
     bool draws_inverted = false;
     /// The key of an input or output that names the place: a device, an interface.
     Setting place;

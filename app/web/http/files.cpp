@@ -74,12 +74,6 @@ const PageFile* PageFiles::find(std::string_view path) const {
     return file == files_.end() ? nullptr : &file->second;
 }
 
-fs::path linked_file(const fs::path& file) {
-    std::error_code error;
-    const fs::path target = fs::weakly_canonical(file, error);
-    return error ? file : target;
-}
-
 tl::expected<void, std::string> write_next_configuration(const fs::path& file,
                                                          std::string_view text,
                                                          const fs::path& history) {

@@ -41,8 +41,6 @@ tl::expected<void, std::string> keep_configuration(const std::filesystem::path& 
 tl::expected<void, std::string> write_next_configuration(const std::filesystem::path& file,
                                                          std::string_view text,
                                                          const std::filesystem::path& history);
-/// The file itself if `file` is a link, which stays.
-std::filesystem::path linked_file(const std::filesystem::path& file);
 inline constexpr std::size_t kMostKept = 20;
 
 /// A configuration of before.

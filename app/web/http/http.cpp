@@ -16,6 +16,7 @@ namespace {
 namespace http = boost::beast::http;
 using Message = http::request<http::string_body>;
 
+constexpr const char* kTooLong = "the content is longer than 64 KiB";
 constexpr std::string_view kHeadEnd = "\r\n\r\n";
 
 std::string text_of(boost::beast::string_view text) {
@@ -41,7 +42,7 @@ std::size_t count_of(const Message& message, http::field name) {
 
 HttpRefusal refusal_of(boost::beast::error_code error) {
     if (error == http::error::body_limit) {
-        return {413, "the content is longer than 64 KiB"};
+        return {413, kTooLong};
     }
     if (error == http::error::header_limit) {
         return {431, "the head is longer than 8 KiB"};
@@ -144,7 +145,7 @@ std::variant<MoreBytes, HttpRequest, HttpRefusal> parse_http(std::string_view re
     const std::size_t length = static_cast<std::size_t>(parser.content_length().value_or(0));
     const std::size_t whole = head + kHeadEnd.size() + length;
     if (length > kLongestBody) {
-        return HttpRefusal{413, "the content is longer than 64 KiB"};
+        return HttpRefusal{413, kTooLong};
     }
     if (received.size() < whole) {
         return MoreBytes{whole};

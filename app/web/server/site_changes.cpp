@@ -44,18 +44,14 @@ HttpAnswer changed_meanwhile(const std::string& present) {
         {{"error", "the file was changed by another meanwhile"}, {"fingerprint", present}}, 412);
 }
 
-/// Why a daemon did not keep a draft: 412 if the file is another one, 409 if it refused, and 502 if
-/// nobody knows what it did.
-HttpAnswer not_kept(const std::string& outcome, const std::filesystem::path& file) {
+/// A daemon that refuses to end a trial is 409; one that does not answer is 502, and nobody knows
+/// what it did.
+HttpAnswer not_ended(const std::string& outcome) {
     const auto told = parse_json(outcome);
     const std::string why = status_fields::text(told, "error");
-    // One that ends may still have kept it.
-    if (status_fields::flag(told, "unanswered") || why == "nothing runs any more") {
-        return refused(502, why + "; whether it kept the draft is seen when it answers again");
-    }
-    return why.ends_with("since the draft went on trial")
-               ? changed_meanwhile(fingerprint_of(file))
-               : refused(409, why + "; nothing was changed now");
+    return status_fields::flag(told, "unanswered")
+               ? refused(502, why + "; what became of the trial is seen when it answers again")
+               : refused(409, why);
 }
 
 std::optional<std::uint64_t> trial_in(const HttpRequest& request) {
@@ -82,10 +78,7 @@ Site::Reply Site::take_draft_back(const Asked& asked) {
         asked.daemon, fmt::format("back {}", *trial), asked.now,
         [](const std::string& json) {
             HttpAnswer answer = as_it_is(json);
-            const auto told = parse_json(json);
-            const bool refuses = answer.status == 502 && !status_fields::flag(told, "unanswered");
-            answer.status = refuses ? 409 : answer.status;
-            return answer;
+            return answer.status == 200 ? answer : not_ended(json);
         },
         kReloadPatience);
 }
@@ -200,7 +193,7 @@ Site::Reply Site::keep_draft(const Asked& asked) {
         [file = daemon.file](const std::string& outcome) {
             return as_it_is(outcome).status == 200
                        ? json_answer({{"kept", true}, {"fingerprint", fingerprint_of(file)}})
-                       : not_kept(outcome, file);
+                       : not_ended(outcome);
         },
         kReloadPatience);
 }
@@ -232,7 +225,7 @@ Site::Reply Site::keep_own_draft(const Asked& asked, Draft& draft) {
                 own->second.is_being_kept = false;
             }
             if (as_it_is(outcome).status != 200) {
-                return not_kept(outcome, file);
+                return not_ended(outcome);
             }
             // By SIGHUP the file itself may have gone on trial in place of the draft.
             if (fingerprint_of(file) != wanted) {

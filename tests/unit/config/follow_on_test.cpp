@@ -53,6 +53,24 @@ to = "servos")"),
                     "device serves at most one input and one output"});
 }
 
+TEST(FollowOn, AnSpiPortIsOneDeviceAlsoWhereItIsUsedInTwoWays) {
+    EXPECT_EQ(
+        mistakes_in(R"([input.receiver]
+protocol = "ibus"
+device = "/dev/ttyA"
+[output.trainer]
+protocol = "ppm"
+line = "/dev/spidev0.0"
+[output.servos]
+protocol = "sbus"
+spi = "/dev/spidev0.0"
+[pipeline.main]
+from = "receiver"
+to = ["servos", "trainer"])"),
+        Lines{"t.toml:9:7: spi \"/dev/spidev0.0\" is already used by [output.trainer] in line "
+              "6; one spi serves one input or one output"});
+}
+
 TEST(FollowOn, AMisspeltInputDoesNotMakeTheOneThatWasMeantUnused) {
     EXPECT_EQ(places(main_job_with(8, "from = \"reciever\"")), Lines{"8:8"});
 }

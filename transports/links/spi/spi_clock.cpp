@@ -37,40 +37,41 @@ std::optional<double> shortest(std::uint32_t hz, std::size_t bytes, const SpiTra
     return least;
 }
 
-std::optional<SpiRate> measured(std::uint32_t hz, const SpiTransfer& transfer) {
+/// How long a byte takes at that rate.
+std::optional<double> byte_ns_at(std::uint32_t hz, const SpiTransfer& transfer) {
     const auto brief = shortest(hz, kShortBytes, transfer);
     const auto extended = brief ? shortest(hz, kLongBytes, transfer) : std::nullopt;
-    if (!extended) {
-        return std::nullopt;
-    }
-    const double byte_ns = (*extended - *brief) / static_cast<double>(kLongBytes - kShortBytes);
-    return SpiRate{.asked_hz = hz, .byte_ns = byte_ns};
+    return extended
+               ? std::optional((*extended - *brief) / static_cast<double>(kLongBytes - kShortBytes))
+               : std::nullopt;
 }
 
 }  // namespace
 
-tl::expected<SpiRate, std::string> find_spi_rate(Duration wanted, const SpiTransfer& transfer) {
+tl::expected<std::uint32_t, std::string> find_spi_rate(Duration wanted,
+                                                       const SpiTransfer& transfer) {
     constexpr double kNsPerSecond = 1e9;
     constexpr double kLeastStep = 1.005;
     const double wanted_ns = in_ns(wanted);
     double hz = kBitsAByte * kNsPerSecond / wanted_ns;
     std::set<std::string> figures;
     for (int i = 0; i < kMostRates; ++i) {
-        const auto rate = measured(static_cast<std::uint32_t>(std::lround(hz)), transfer);
-        if (!rate) {
+        const auto asked_hz = static_cast<std::uint32_t>(std::lround(hz));
+        const auto byte_ns = byte_ns_at(asked_hz, transfer);
+        if (!byte_ns) {
             return tl::unexpected(fmt::format("it refuses a transfer at {:.0f} Hz", hz));
         }
-        const double ratio = rate->byte_ns / wanted_ns;
+        const double ratio = *byte_ns / wanted_ns;
         if (std::abs(ratio - 1) <= kSpiTolerance) {
-            return *rate;
+            return asked_hz;
         }
         constexpr double kLeast = 0.1;
         if (!std::isfinite(ratio) || ratio < kLeast || ratio > 1 / kLeast) {
             return tl::unexpected(fmt::format(
                 "a byte at {:.0f} Hz takes {:.2f} us, so it is no SPI port that sends by a clock",
-                hz, rate->byte_ns / 1000));
+                hz, *byte_ns / 1000));
         }
-        figures.insert(fmt::format("{:.2f} us at {:.0f} Hz", rate->byte_ns / 1000, hz));
+        figures.insert(fmt::format("{:.2f} us at {:.0f} Hz", *byte_ns / 1000, hz));
         // The clock is divided by whole numbers: a step that is too small asks for the same again.
         hz *= ratio > 1 ? std::max(ratio, kLeastStep) : std::min(ratio, 1 / kLeastStep);
     }

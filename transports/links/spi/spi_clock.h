@@ -15,19 +15,15 @@
 /// number; so the time is measured (docs/boards/spi.md). Pure.
 namespace tribus {
 
-/// A rate that fits.
-struct SpiRate {
-    std::uint32_t asked_hz = 0;  ///< of the port
-    double byte_ns = 0;          ///< from one byte to the next, as measured
-};
-
 /// Sends so many zeros at that rate. Returns how long it took, or nothing if the port refuses.
 using SpiTransfer = std::function<std::optional<Duration>(std::uint32_t hz, std::size_t bytes)>;
 
 /// How far the time of a byte may be from the one that is wanted.
 inline constexpr double kSpiTolerance = 0.005;
 
-/// Measures rates until a byte takes `wanted`. The error has the figures.
-tl::expected<SpiRate, std::string> find_spi_rate(Duration wanted, const SpiTransfer& transfer);
+/// Measures rates until a byte takes `wanted`, and returns the one to ask for, in Hz. The error has
+/// the figures.
+tl::expected<std::uint32_t, std::string> find_spi_rate(Duration wanted,
+                                                       const SpiTransfer& transfer);
 
 }  // namespace tribus

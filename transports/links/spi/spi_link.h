@@ -18,7 +18,7 @@
 
 namespace tribus {
 
-/// What a protocol wants of the data line.
+/// The demands of a protocol on the data line.
 struct SpiSignal {
     /// So long a byte of the port must last: the rate is searched for when the port is opened
     /// (spi_clock.h).

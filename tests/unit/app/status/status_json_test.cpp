@@ -301,7 +301,7 @@ TEST_F(StatusJson, SaysWhatASensorBusDoesAndWaitsFor) {
     bus.is_receiver = false;
     EXPECT_EQ(text(), "waits for the first request of a receiver");
     bus.latest_request = kNow - std::chrono::milliseconds(999);
-    EXPECT_EQ(text(), "a receiver sends requests; waits for an address");
+    EXPECT_EQ(text(), "a receiver sends requests; waiting for an address");
     bus.first_address = 1;
     EXPECT_EQ(text(), "answers the receiver");
     bus.latest_request = kNow - std::chrono::seconds(1);

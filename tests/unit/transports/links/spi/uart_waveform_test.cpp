@@ -11,7 +11,7 @@
 #include "transports/codecs/sbus/sbus.h"
 #include "transports/links/spi/spi_clock.h"
 
-/// What the data line of an SPI port draws, read by an independent UART.
+/// An independent UART reads what the data line of an SPI port draws.
 namespace tribus::uart_waveform_test {
 namespace {
 
@@ -92,13 +92,13 @@ struct Port {
 class DrawnByAPort : public testing::TestWithParam<Port> {
   protected:
     SpiController controller_ = GetParam().controller;
-    SpiRate rate_ = [this] {
+    std::uint32_t asked_hz_ = [this] {
         const auto found =
             find_spi_rate(kSbusLine.bits_time(1), [this](std::uint32_t hz, std::size_t bytes) {
                 return controller_.transfer_time(hz, bytes);
             });
         EXPECT_TRUE(found) << found.error();
-        return found.value_or(SpiRate{.asked_hz = 800'000});
+        return found.value_or(800'000);
     }();
 };
 
@@ -110,7 +110,7 @@ TEST_P(DrawnByAPort, EachFrameIsReadAsItIs) {
     for (int i = 0; i < kFrames; ++i) {
         const Bytes frame = random_frame(random);
         const Bytes bits = drawn(frame);
-        const DrawnLine line(controller_, rate_.asked_hz, bits);
+        const DrawnLine line(controller_, asked_hz_, bits);
         const PlainUart uart{.rate_error = rate_error(random)};
         const auto read =
             uart.read([&](double us) { return line.level(us); }, -100, line.end_us() + 200);
