@@ -25,6 +25,16 @@ struct NamedValue {
 /// Lifetime of a value that never becomes stale.
 inline constexpr Duration kForever = Duration::max();
 
+/// When a value had no fresh number, between two that it had.
+struct ValueGaps {
+    std::uint64_t count = 0;
+    /// When the latest one began; the instant of its end if the source had reported that it has no
+    /// number.
+    Instant stale_at{};
+    /// Since then its numbers are fresh, or were. `kNever`: there was none yet.
+    Instant fresh_since = kNever;
+};
+
 /// All named values of a configuration, each with its latest number and the instant of it. A newer
 /// number replaces an older one. No heap after construction. Thread-bound: belongs to the data
 /// thread once that runs.
@@ -49,7 +59,14 @@ class ValueBoard {
 
     /// `tag` is for users that know this value: for a sensor reading it is the id of its type.
     void set(std::size_t index, double number, Instant at, std::uint8_t tag = 0) {
-        entries_[index] = {.number = number, .at = at, .ever = true, .available = true, .tag = tag};
+        Entry& entry = entries_[index];
+        if (!entry.available || at - entry.at > values_[index].lasts) {
+            end_gap(index, at);
+        }
+        entry.number = number;
+        entry.at = at;
+        entry.available = true;
+        entry.tag = tag;
     }
     /// The source reports that it has no number now. Tag and age stay.
     void remove(std::size_t index) { entries_[index].available = false; }
@@ -64,13 +81,14 @@ class ValueBoard {
     /// The latest number, stale or not. Valid only if `ever`.
     double latest(std::size_t index) const { return entries_[index].number; }
     /// Whether there ever was a number.
-    bool ever(std::size_t index) const { return entries_[index].ever; }
+    bool ever(std::size_t index) const { return entries_[index].gaps.fresh_since != kNever; }
     /// Whether the source has a number now, stale or not.
     bool available(std::size_t index) const { return entries_[index].available; }
     /// Instant of the latest number. Valid only if `ever`.
     Instant at(std::size_t index) const { return entries_[index].at; }
     /// Age of the latest number, stale or not. Valid only if `ever`.
     Duration age(std::size_t index, Instant now) const { return now - entries_[index].at; }
+    ValueGaps gaps(std::size_t index) const { return entries_[index].gaps; }
     std::uint8_t tag(std::size_t index) const { return entries_[index].tag; }
     /// The last instant at which `fresh` still returns the present number; `kNever` if the value
     /// never becomes stale or has no number.
@@ -80,10 +98,12 @@ class ValueBoard {
     struct Entry {
         double number = 0;
         Instant at{};
-        bool ever = false;
+        ValueGaps gaps{};
         bool available = false;
         std::uint8_t tag = 0;
     };
+
+    void end_gap(std::size_t index, Instant at);
 
     std::vector<NamedValue> values_;
     std::vector<Entry> entries_;

@@ -21,9 +21,18 @@ bool same_state(OutputState a, const OutputState& b) {
     return a == b;
 }
 
+/// Until when the published figures say more of the changed part.
 Instant published_at(const Change& change, const Appliance& appliance) {
-    return change.part == Change::Part::input ? appliance.input_status(change.index).at
-                                              : appliance.output_status(change.index).at;
+    switch (change.part) {
+        case Change::Part::input:
+            return appliance.input_status(change.index).at;
+        case Change::Part::output:
+            return appliance.output_status(change.index).at;
+        case Change::Part::bus:
+        case Change::Part::node:
+            break;
+    }
+    return change.at;
 }
 
 }  // namespace
@@ -42,15 +51,15 @@ void ChangeJournal::add(ToldChange change) {
 }
 
 /// Adds the change if its word is another one than before.
-void ChangeJournal::note(ToldChange change, Wall wall) {
+void ChangeJournal::note(ToldChange change, Instant at, Wall wall) {
     std::string& word = words_[{change.part, change.name}];
     if (word == change.now) {
         return;
     }
     change.was = std::exchange(word, change.now);
     change.field = "state";
-    change.at = wall.now;
-    change.wall_time = wall.wall_now;
+    change.at = at;
+    change.wall_time = wall.at(at);
     add(std::move(change));
 }
 
@@ -67,7 +76,7 @@ void ChangeJournal::add(std::span<const Appliance::DeviceEvent> events, Instant 
                                               : "is back"),
               .level = event.back ? LogLevel::info : LogLevel::warning,
               .kind = event.kind},
-             {now, wall_now});
+             now, {now, wall_now});
     }
 }
 
@@ -78,7 +87,7 @@ void ChangeJournal::look(const Appliance& appliance, Instant now, Duration wall_
     if (taken_ == appliance.changes().newest()) {
         look_at_waits(appliance, wall);
     }
-    look_at_others(appliance, wall);
+    look_at_values(appliance, wall);
 }
 
 /// A change that is newer than the published figures of its part waits for the next ones, which say
@@ -95,10 +104,22 @@ void ChangeJournal::take(const ChangeRing& ring, std::uint64_t newest, const App
             return;
         }
         tell_lost(change->at, wall);
-        change->part == Change::Part::input ? add_input(*change, appliance, wall)
-                                            : add_output(*change, appliance, wall);
+        add(*change, appliance, wall);
     }
     tell_lost(wall.now, wall);
+}
+
+void ChangeJournal::add(const Change& change, const Appliance* appliance, Wall wall) {
+    switch (change.part) {
+        case Change::Part::input:
+            return add_input(change, appliance, wall);
+        case Change::Part::output:
+            return add_output(change, appliance, wall);
+        case Change::Part::bus:
+            return note(of_bus(change.index, change.now.bus), change.at, wall);
+        case Change::Part::node:
+            return note(of_node(change.index, change.now.node), change.at, wall);
+    }
 }
 
 void ChangeJournal::tell_lost(Instant at, Wall wall) {
@@ -239,46 +260,37 @@ void ChangeJournal::look_at_waits(const Appliance& appliance, Wall wall) {
     }
 }
 
-void ChangeJournal::look_at_others(const Appliance& appliance, Wall wall) {
-    for (std::size_t port = 0; port < appliance.ports().size(); ++port) {
-        const PortConfig& config = appliance.ports()[port].config;
-        if (config.medium->shape != WireShape::can_frames || !appliance.port_present(port)) {
+void ChangeJournal::tell_value(ValueMemory& memory, bool fresh, Instant at, Wall wall) {
+    const auto word = [](bool is) { return is ? "fresh" : "stale"; };
+    if (memory.fresh && *memory.fresh != fresh) {
+        add({.at = at,
+             .wall_time = wall.at(at),
+             .part = "value",
+             .name = memory.name,
+             .field = "state",
+             .was = word(*memory.fresh),
+             .now = word(fresh),
+             .text = fmt::format("is {}", word(fresh)),
+             .kind = "value"});
+    }
+    memory.fresh = fresh;
+}
+
+/// A value that was stale for a moment between two looks tells of its latest such moment.
+void ChangeJournal::look_at_values(const Appliance& appliance, Wall wall) {
+    for (ValueMemory& memory : values_) {
+        const ValueStatus status = appliance.value_status(memory.index);
+        if (!status.ever) {
             continue;
         }
-        const CanBusState state = appliance.can_status(port).state;
-        words_.try_emplace({"bus", config.device}, kCanStateWords.front());
-        note({.part = "bus",
-              .name = config.device,
-              .now = std::string(kCanStateWords[static_cast<std::size_t>(state)]),
-              .text = can_bus_text(state, config.device),
-              .level = state == CanBusState::ready ? LogLevel::info : LogLevel::warning,
-              .kind = "interface"},
-             wall);
-    }
-    for (std::size_t node = 0; node < nodes_.size(); ++node) {
-        const dronecan::NodeReport report = appliance.node_report(node);
-        note({.part = "node",
-              .name = nodes_[node].first,
-              .now = node_word(report),
-              .text = node_text(report, nodes_[node].second),
-              .level = report.stage == dronecan::NodeStage::online     ? LogLevel::info
-                       : report.stage == dronecan::NodeStage::conflict ? LogLevel::error
-                                                                       : LogLevel::warning},
-             wall);
-    }
-    for (std::size_t value = 0; value < appliance.value_count(); ++value) {
-        const ValueReport report{appliance.value(value), appliance.value_status(value)};
-        if (!report.status.ever || is_of_part(report.value.name)) {
-            continue;
+        const std::uint64_t told = std::exchange(memory.gaps, status.gaps.count);
+        if (memory.fresh && status.gaps.count > told) {
+            tell_value(memory, false, status.gaps.stale_at, wall);
+            tell_value(memory, true, status.gaps.fresh_since, wall);
         }
-        const std::string word = is_fresh(report, wall.now) ? "fresh" : "stale";
-        words_.try_emplace({"value", report.value.name}, word);
-        note({.part = "value",
-              .name = report.value.name,
-              .now = word,
-              .text = "is " + word,
-              .kind = "value"},
-             wall);
+        const bool fresh = is_fresh(status, memory.lasts, wall.now);
+        tell_value(memory, fresh,
+                   fresh || !status.available ? wall.now : later(status.at, memory.lasts), wall);
     }
 }
 

@@ -20,8 +20,9 @@
 namespace tribus {
 
 /// The latest changes of state of all parts, each once and with its sentence: log, sockets and
-/// recorder read them by their number. Changes of inputs and outputs are those that the data thread
-/// wrote at their moment; the other parts are looked at by `look`. Thread-bound to the main thread.
+/// recorder read them by their number. Changes of inputs, outputs, CAN interfaces and DroneCAN
+/// nodes are those that the data thread wrote at their moment; a value remembers how long it was
+/// stale. Thread-bound to the main thread.
 class ChangeJournal {
   public:
     /// So many are kept.
@@ -63,6 +64,13 @@ class ChangeJournal {
         bool changed = false;  ///< since the last look at what it waits for
         bool waits = true;     ///< it may wait for something
     };
+    struct ValueMemory {
+        std::size_t index = 0;
+        std::string name{};
+        Duration lasts{};
+        std::uint64_t gaps = 0;
+        std::optional<bool> fresh{};  ///< as told; nothing: it had no number yet
+    };
     struct Wall {
         Instant now;
         Duration wall_now;
@@ -71,11 +79,17 @@ class ChangeJournal {
     };
 
     void take_names(const Appliance& appliance);
+    void take_values(const Appliance& appliance);
     void take(const ChangeRing& ring, std::uint64_t newest, const Appliance* appliance, Wall wall);
+    void add(const Change& change, const Appliance* appliance, Wall wall);
     void add_input(const Change& change, const Appliance* appliance, Wall wall);
     void add_output(const Change& change, const Appliance* appliance, Wall wall);
     void look_at_waits(const Appliance& appliance, Wall wall);
-    void look_at_others(const Appliance& appliance, Wall wall);
+    void look_at_values(const Appliance& appliance, Wall wall);
+    void compare_buses_and_nodes(const Appliance& appliance, Wall wall);
+    void tell_value(ValueMemory& memory, bool fresh, Instant at, Wall wall);
+    ToldChange of_bus(std::size_t port, CanBusState state) const;
+    ToldChange of_node(std::size_t node, const dronecan::NodeState& state) const;
     ToldChange of_output(std::size_t output, Instant at, const OutputState& state, bool sends,
                          Wall wall) const;
     std::string text_of(const Change& change, const Appliance* appliance) const;
@@ -85,16 +99,20 @@ class ChangeJournal {
     void tell_lost(Instant at, Wall wall);
     std::string word_before(const ToldChange& change);
     std::string votes_text(std::size_t output, std::uint32_t before, std::uint32_t now) const;
-    void note(ToldChange change, Wall wall);
+    void note(ToldChange change, Instant at, Wall wall);
 
     std::vector<std::string> input_names_;
     std::vector<std::string> output_names_;
     /// Indices of the inputs of each output.
     std::vector<std::vector<std::size_t>> inputs_of_;
     std::vector<OutputMemory> outputs_;
+    /// Devices of the ports.
+    std::vector<std::string> ports_;
     /// Interface and configured id of each DroneCAN node.
     std::vector<std::pair<std::string, int>> nodes_;
-    /// The latest word of each part.
+    /// Values that are no facts of inputs and outputs, which are told anyway.
+    std::vector<ValueMemory> values_;
+    /// The latest word of each other part.
     std::map<std::pair<std::string_view, std::string>, std::string> words_;
     /// Names of devices that have not been there yet.
     std::set<std::string> never_there_;

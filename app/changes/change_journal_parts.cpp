@@ -11,6 +11,7 @@
 namespace tribus {
 
 void ChangeJournal::take_names(const Appliance& appliance) {
+    take_values(appliance);
     const Configuration& configuration = appliance.configuration();
     input_names_ = input_names(configuration);
     output_names_.clear();
@@ -20,11 +21,17 @@ void ChangeJournal::take_names(const Appliance& appliance) {
         const auto inputs = appliance.inputs_of(i);
         inputs_of_.emplace_back(inputs.begin(), inputs.end());
     }
+    ports_.clear();
+    for (const PortPlan& port : appliance.ports()) {
+        ports_.push_back(port.config.device);
+        if (port.config.medium->shape == WireShape::can_frames) {
+            words_.try_emplace({"bus", port.config.device}, kCanStateWords.front());
+        }
+    }
     nodes_.clear();
     for (const NodePlan& plan : plan_nodes(configuration, {})) {
         nodes_.emplace_back(plan.port.device, plan.settings.id);
-        dronecan::NodeReport first;
-        first.id = plan.settings.id;
+        dronecan::NodeState first{.id = plan.settings.id};
         if (plan.settings.dynamic) {
             first.stage = dronecan::NodeStage::allocating;
         }
@@ -38,11 +45,60 @@ void ChangeJournal::take_names(const Appliance& appliance) {
     }
 }
 
+/// Known values of the same name go on.
+void ChangeJournal::take_values(const Appliance& appliance) {
+    const std::vector<ValueMemory> before = std::exchange(values_, {});
+    for (std::size_t i = 0; i < appliance.value_count(); ++i) {
+        const NamedValue& value = appliance.value(i);
+        if (is_of_part(value.name)) {
+            continue;
+        }
+        const auto known = std::ranges::find(before, value.name, &ValueMemory::name);
+        ValueMemory& memory =
+            values_.emplace_back(known == before.end() ? ValueMemory{.name = value.name} : *known);
+        memory.index = i;
+        memory.lasts = value.lasts;
+    }
+}
+
+ToldChange ChangeJournal::of_bus(std::size_t port, CanBusState state) const {
+    return {.part = "bus",
+            .name = ports_[port],
+            .now = std::string(kCanStateWords[static_cast<std::size_t>(state)]),
+            .text = can_bus_text(state, ports_[port]),
+            .level = state == CanBusState::ready ? LogLevel::info : LogLevel::warning,
+            .kind = "interface"};
+}
+
+ToldChange ChangeJournal::of_node(std::size_t node, const dronecan::NodeState& state) const {
+    return {.part = "node",
+            .name = nodes_[node].first,
+            .now = node_word(state),
+            .text = node_text(state, nodes_[node].second),
+            .level = state.stage == dronecan::NodeStage::online     ? LogLevel::info
+                     : state.stage == dronecan::NodeStage::conflict ? LogLevel::error
+                                                                    : LogLevel::warning};
+}
+
+/// Another socket, or another node, has replaced one of the configuration before, and begins anew.
+void ChangeJournal::compare_buses_and_nodes(const Appliance& appliance, Wall wall) {
+    for (std::size_t port = 0; port < ports_.size(); ++port) {
+        if (appliance.ports()[port].config.medium->shape == WireShape::can_frames &&
+            appliance.port_present(port)) {
+            note(of_bus(port, appliance.can_status(port).state), wall.now, wall);
+        }
+    }
+    for (std::size_t node = 0; node < nodes_.size(); ++node) {
+        note(of_node(node, appliance.node_report(node).state), wall.now, wall);
+    }
+}
+
 void ChangeJournal::begin(const Appliance& appliance, Instant now, Duration wall_now) {
     std::erase_if(words_, [](const auto& word) {
         return word.first.first != "input" && word.first.first != "output";
     });
     never_there_.clear();
+    values_.clear();
     taken_ = 0;
     take_names(appliance);
     outputs_.assign(output_names_.size(), {});
@@ -123,6 +179,7 @@ void ChangeJournal::go_on_with(const Appliance& appliance, const CarryOver& carr
             tell_renamed(i, was, appliance.output_status(i), wall);
         }
     }
+    compare_buses_and_nodes(appliance, wall);
 }
 
 /// The input in control has another name now.

@@ -44,7 +44,7 @@ void Daemon::show_started() {
     log_ = std::make_unique<StateLog>(*appliance_, now);
     log_->log_interfaces(*appliance_);
     sockets_.show(*appliance_, journal_);
-    service_.started(*appliance_, now);
+    service_.started(now);
 }
 
 /// Reports an appliance that replaced another one, which had `ports_before`.
@@ -67,7 +67,7 @@ void Daemon::show_successor(const std::vector<PortPlan>& ports_before,
     look_after_parts(now);
     journal_.add(appliance_->devices(), now, wall_time_now());
     sockets_.show(*appliance_, journal_);
-    service_.started(*appliance_, now);
+    service_.started(now);
 }
 
 bool Daemon::start_or_log(std::unique_ptr<Appliance> built, Appliance::MissingDevices missing,
@@ -140,7 +140,7 @@ ReloadOutcome Daemon::take_between_frames(std::unique_ptr<Appliance> fresh,
     if (!next) {
         log_all(next.error());
         log_error("reload refused: {} cannot be set up; the old configuration runs on", file);
-        service_.started(*appliance_, monotonic_now());
+        service_.started(monotonic_now());
         return {.lines = std::move(next.error())};
     }
     appliance_ = std::move(*next);

@@ -179,7 +179,7 @@ ReloadOutcome Daemon::refuse(const std::vector<Mistake>& mistakes) {
     explain_mistakes(mistakes);
     log_error("reload refused: {} {}; the old configuration runs on", path_,
               may_be_temporary(mistakes) ? "cannot be read as a whole" : "has mistakes");
-    service_.started(*appliance_, monotonic_now());
+    service_.started(monotonic_now());
     ReloadOutcome outcome;
     for (const Mistake& mistake : mistakes) {
         outcome.lines.push_back(format_mistake(mistake));

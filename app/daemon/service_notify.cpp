@@ -15,7 +15,7 @@
 #include <fmt/format.h>
 
 #include "app/journal/log.h"
-#include "config/schema/configured_names.h"
+#include "app/status/status.h"
 #include "pipelines/realtime/clock.h"
 
 namespace tribus {
@@ -119,13 +119,10 @@ ServiceNotify::ServiceNotify() : socket_(NotifySocket::from_environment()) {
     }
 }
 
-void ServiceNotify::started(const Appliance& appliance, Instant now) {
+void ServiceNotify::started(Instant now) {
     if (watchdog_) {
         watchdog_->restart();
     }
-    const Configuration& configuration = appliance.configuration();
-    status_.emplace(configured_names(configuration.inputs),
-                    configured_names(configuration.outputs));
     sent_status_.clear();
     next_status_ = now;
     socket_.send("READY=1");
@@ -182,15 +179,7 @@ void ServiceNotify::tell_status(const Appliance& appliance, Instant now) {
         return;
     }
     next_status_ = now + kPeriod;
-    std::vector<InputStatus> inputs;
-    for (std::size_t i = 0; i < appliance.configuration().inputs.size(); ++i) {
-        inputs.push_back(appliance.input_status(i));
-    }
-    std::vector<OutputStatus> outputs;
-    for (std::size_t i = 0; i < appliance.configuration().outputs.size(); ++i) {
-        outputs.push_back(appliance.output_status(i));
-    }
-    std::string text = status_->text(inputs, outputs, now);
+    std::string text = status_line(appliance, now);
     if (text != sent_status_ && socket_.send("STATUS=" + text)) {
         sent_status_ = std::move(text);
     }

@@ -8,7 +8,6 @@
 #include "app/appliance/appliance.h"
 #include "app/daemon/watchdog.h"
 #include "app/journal/log_limit.h"
-#include "app/status/status_line.h"
 #include "core/change_report.h"
 #include "core/rate_limit.h"
 #include "core/time.h"
@@ -41,7 +40,7 @@ class ServiceNotify {
     ServiceNotify();
 
     /// The appliance runs: the first one, a new one, or the old one after a refused reload.
-    void started(const Appliance& appliance, Instant now);
+    void started(Instant now);
     /// A reload begins; `started` ends it.
     void reloading();
     /// The program begins to end.
@@ -59,7 +58,6 @@ class ServiceNotify {
     std::optional<Watchdog> watchdog_;
     ChangeReport<Punctuality> reported_{Punctuality::on_time};
     RateLimit limit_ = log_limit();
-    std::optional<StatusLine> status_;
     std::string sent_status_;
     Instant next_status_{};
 };

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 
+#include "app/status/status_line.h"
+
 namespace tribus {
 namespace {
 
-/// The data thread publishes several times a second even if it has nothing else to do. A longer gap
-/// than this is no mere delay on a busy machine.
-constexpr Duration kFigureLife = std::chrono::seconds(1);
 /// Two and a half times the usual distance of two looks. In a longer pause this thread did not run,
 /// and perhaps no other.
 constexpr Duration kLongestPause = std::chrono::milliseconds(500);

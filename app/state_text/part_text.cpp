@@ -36,16 +36,16 @@ std::string can_bus_text(CanBusState state, const std::string& name) {
     return "";
 }
 
-std::string node_word(const dronecan::NodeReport& report) {
-    const bool online = report.stage == dronecan::NodeStage::online;
-    return std::string(kNodeStageWords[static_cast<std::size_t>(report.stage)]) +
-           (online ? fmt::format(" {}", report.id) : "");
+std::string node_word(const dronecan::NodeState& state) {
+    const bool online = state.stage == dronecan::NodeStage::online;
+    return std::string(kNodeStageWords[static_cast<std::size_t>(state.stage)]) +
+           (online ? fmt::format(" {}", state.id) : "");
 }
 
-std::string node_text(const dronecan::NodeReport& report, int wanted) {
-    switch (report.stage) {
+std::string node_text(const dronecan::NodeState& state, int wanted) {
+    switch (state.stage) {
         case dronecan::NodeStage::online:
-            return fmt::format("this program is DroneCAN node {}", report.id);
+            return fmt::format("this program is DroneCAN node {}", state.id);
         case dronecan::NodeStage::conflict:
             return fmt::format(
                 "another DroneCAN node has the id {} too; nothing is sent until it has been silent "

@@ -28,8 +28,8 @@ std::string can_bus_text(CanBusState state, const std::string& name);
 inline constexpr std::array<std::string_view, 3> kNodeStageWords{"allocating", "online",
                                                                  "conflict"};
 /// The state of a DroneCAN node of this program in a word, with its id if it has one: "online 42".
-std::string node_word(const dronecan::NodeReport& report);
+std::string node_word(const dronecan::NodeState& state);
 /// The same in words. `wanted`: the id that it is configured with.
-std::string node_text(const dronecan::NodeReport& report, int wanted);
+std::string node_text(const dronecan::NodeState& state, int wanted);
 
 }  // namespace tribus

@@ -181,13 +181,13 @@ namespace {
 using namespace field_values;
 
 OrderedJson state(const StatusPart& part) {
-    return kNodeStageWords[static_cast<std::size_t>(of<NodeStatus>(part).report.stage)];
+    return kNodeStageWords[static_cast<std::size_t>(of<NodeStatus>(part).report.state.stage)];
 }
 OrderedJson text(const StatusPart& part) {
-    return node_text(of<NodeStatus>(part).report, of<NodeStatus>(part).wanted);
+    return node_text(of<NodeStatus>(part).report.state, of<NodeStatus>(part).wanted);
 }
 OrderedJson id(const StatusPart& part) {
-    const dronecan::NodeId id = of<NodeStatus>(part).report.id;
+    const dronecan::NodeId id = of<NodeStatus>(part).report.state.id;
     return id == dronecan::kNobody ? OrderedJson() : OrderedJson(id);
 }
 

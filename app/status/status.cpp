@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "app/status/status_line.h"
 #include "config/build/dronecan.h"
 
 namespace tribus {
@@ -99,14 +100,26 @@ bool is_of_part(std::string_view name) {
     return name.starts_with("input.") || name.starts_with("output.");
 }
 
-bool is_fresh(const ValueReport& value, Instant now) {
-    const Duration lasts = value.value.lasts;
-    return value.status.available && (lasts == kForever || now - value.status.at <= lasts);
+bool is_fresh(const ValueStatus& status, Duration lasts, Instant now) {
+    return status.available && (lasts == kForever || now - status.at <= lasts);
 }
 
 std::string_view can_state_word(const PortReport& port) {
     return port.present && port.can ? kCanStateWords[static_cast<std::size_t>(port.can->state)]
                                     : kCanStateWords.back();
+}
+
+std::string status_line(const Appliance& appliance, Instant now) {
+    const Configuration& configuration = appliance.configuration();
+    std::vector<InputStatus> inputs;
+    for (std::size_t i = 0; i < configuration.inputs.size(); ++i) {
+        inputs.push_back(appliance.input_status(i));
+    }
+    std::vector<OutputStatus> outputs;
+    for (std::size_t i = 0; i < configuration.outputs.size(); ++i) {
+        outputs.push_back(appliance.output_status(i));
+    }
+    return status_line(configuration, inputs, outputs, appliance.figures_at(), now);
 }
 
 StatusReport StatusKeeper::report(const Appliance& appliance, Instant now,
@@ -118,6 +131,7 @@ StatusReport StatusKeeper::report(const Appliance& appliance, Instant now,
     report.started = started_;
     report.missing_realtime = appliance.missing_realtime();
     report.absence = appliance.absence();
+    report.text = status_line(appliance, now);
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
         report.inputs.push_back(input_report(appliance, i, inputs_[i], now));
     }

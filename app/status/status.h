@@ -57,7 +57,10 @@ struct ValueReport {
 /// Whether tribus makes the value of that name of an input or output, which is told anyway.
 bool is_of_part(std::string_view name);
 /// Whether its number says something about `now`.
-bool is_fresh(const ValueReport& value, Instant now);
+bool is_fresh(const ValueStatus& status, Duration lasts, Instant now);
+inline bool is_fresh(const ValueReport& value, Instant now) {
+    return is_fresh(value.status, value.value.lasts, now);
+}
 
 struct LineReport {
     bool present = false;
@@ -76,6 +79,7 @@ struct StatusReport {
         trial_left;  ///< time until the configuration on trial goes back by itself
     std::optional<std::uint64_t> trial;  ///< its number
     std::string fingerprint;             ///< of the configuration with every default
+    std::string text;                    ///< all inputs and outputs in one line: `status_line`
     std::vector<std::string> missing_realtime;
     AbsenceStatus absence;
     std::uint64_t changes = 0;  ///< number of the newest change of state
@@ -98,6 +102,9 @@ inline constexpr std::array<std::string_view, 7> kCanStateWords{
     "ready", "warning", "passive", "stalled", "bus_off", "down", "gone"};
 /// One of them. `port` is a CAN interface.
 std::string_view can_state_word(const PortReport& port);
+
+/// The line of all inputs and outputs of an appliance. Main thread.
+std::string status_line(const Appliance& appliance, Instant now);
 
 /// Frames per second, from a counter that is read now and then. Pure.
 class RateWindow {

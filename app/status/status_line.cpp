@@ -71,42 +71,41 @@ std::string joined(const std::vector<std::string>& parts) {
     return text.empty() ? "running" : text;
 }
 
-}  // namespace
-
-StatusLine::StatusLine(std::vector<std::string> inputs, std::vector<std::string> outputs)
-    : input_names_(std::move(inputs)),
-      output_names_(std::move(outputs)),
-      since_(output_names_.size()) {}
-
 /// A lost input has its own part of the line.
-std::string StatusLine::said_of(const OutputStatus& output, Instant now, Instant since) const {
+std::string said_of(const OutputStatus& output, std::span<const std::string> input_names,
+                    Instant now) {
     if (output.state.stage == OutputStage::control) {
-        return output_text(output.state, input_names_);
+        return output_text(output.state, input_names);
     }
-    const std::string how_long = for_how_long(now - since);
+    const bool published = output.stage_since != Instant{};
+    const std::string how_long =
+        for_how_long(published ? now - output.stage_since : Duration::zero());
     const Awaited awaited = output.wait.awaited;
     if (awaited == Awaited::nothing || awaited == Awaited::link) {
-        return output_text(output.state, input_names_) + how_long;
+        return output_text(output.state, input_names) + how_long;
     }
-    return fmt::format("{}{}; waits for {}", stage_text(output.state, input_names_), how_long,
-                       wait_text(output.state, output.wait, input_names_));
+    return fmt::format("{}{}; waits for {}", stage_text(output.state, input_names), how_long,
+                       wait_text(output.state, output.wait, input_names));
 }
 
-std::string StatusLine::text(std::span<const InputStatus> inputs,
-                             std::span<const OutputStatus> outputs, Instant now) {
+}  // namespace
+
+std::string status_line(const Configuration& configuration, std::span<const InputStatus> inputs,
+                        std::span<const OutputStatus> outputs, Instant figures_at, Instant now) {
+    const std::vector<std::string> names = input_names(configuration);
     std::vector<std::pair<int, std::string>> parts;
+    if (figures_at != Instant{} && now - figures_at > kFigureLife) {
+        parts.emplace_back(-1, "the data thread stands still: what follows is old");
+    }
     for (std::size_t i = 0; i < outputs.size(); ++i) {
-        const OutputStage stage = outputs[i].state.stage;
-        if (since_[i].stage != stage) {
-            since_[i] = {stage, now};
-        }
-        parts.emplace_back(2 * urgency(stage), fmt::format("{}: {}", output_names_[i],
-                                                           said_of(outputs[i], now, since_[i].at)));
+        parts.emplace_back(
+            2 * urgency(outputs[i].state.stage),
+            fmt::format("{}: {}", configuration.outputs[i].name, said_of(outputs[i], names, now)));
     }
     for (std::size_t i = 0; i < inputs.size(); ++i) {
         const bool good = inputs[i].state.cause == LinkCause::good;
         parts.emplace_back(good ? 5 : 1,
-                           fmt::format("{}: {}", input_names_[i],
+                           fmt::format("{}: {}", names[i],
                                        cause_text(inputs[i].state, inputs[i].implausible,
                                                   inputs[i].fault.view())));
     }

@@ -1,38 +1,25 @@
 #pragma once
 
-#include <cstddef>
-#include <optional>
+#include <chrono>
 #include <span>
 #include <string>
-#include <vector>
 
+#include "config/schema/schema.h"
 #include "core/time.h"
 #include "pipelines/realtime/loop.h"
 
 namespace tribus {
 
-/// The state of all inputs and outputs in one line for a service manager: "servos: in failsafe;
-/// receiver: wire silent (no bytes any more)". The worst state comes first. Pure; thread-bound.
-class StatusLine {
-  public:
-    StatusLine(std::vector<std::string> inputs, std::vector<std::string> outputs);
+/// The data thread publishes its figures several times a second even if it has nothing else to do.
+/// A longer gap than this is no mere delay on a busy machine: the thread stands still.
+inline constexpr Duration kFigureLife = std::chrono::seconds(1);
 
-    /// Both lists are in the order of the names. Durations of a failsafe or loss are rounded down
-    /// to steps, so that they do not change the line all the time.
-    std::string text(std::span<const InputStatus> inputs, std::span<const OutputStatus> outputs,
-                     Instant now);
-
-  private:
-    struct Since {
-        std::optional<OutputStage> stage;
-        Instant at{};
-    };
-
-    std::string said_of(const OutputStatus& output, Instant now, Instant since) const;
-
-    std::vector<std::string> input_names_;
-    std::vector<std::string> output_names_;
-    std::vector<Since> since_;
-};
+/// The state of all inputs and outputs in one line, also for a service manager: "servos: in
+/// failsafe; receiver: wire silent (no bytes any more)". The worst state comes first. Both lists
+/// are in the order of the configuration; the data thread published them at `figures_at`. Durations
+/// of a failsafe or loss are rounded down to steps, so that they do not change the line all the
+/// time. Thread-safe.
+std::string status_line(const Configuration& configuration, std::span<const InputStatus> inputs,
+                        std::span<const OutputStatus> outputs, Instant figures_at, Instant now);
 
 }  // namespace tribus

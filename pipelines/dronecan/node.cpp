@@ -196,8 +196,7 @@ void Node::end(Instant now) {
 }
 
 NodeReport Node::report() const {
-    return {
-        .stage = stage_, .id = identity_.id, .counts = counts_, .restart_wanted = restart_wanted_};
+    return {.state = state(), .counts = counts_, .restart_wanted = restart_wanted_};
 }
 
 std::optional<PeriodRequest> Node::take_period_request() {

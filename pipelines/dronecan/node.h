@@ -18,7 +18,7 @@
 
 namespace tribus::dronecan {
 
-/// State of a node; `NodeReport::stage`.
+/// What a node does.
 enum class NodeStage : std::uint8_t {
     allocating,  ///< waits for an id
     online,
@@ -35,10 +35,16 @@ struct NodeCounts {
     std::uint64_t conflicts = 0;
 };
 
+struct NodeState {
+    NodeStage stage = NodeStage::online;
+    NodeId id = kNobody;  ///< the id under which it sends
+
+    bool operator==(const NodeState&) const = default;
+};
+
 /// State of a node, for status and log.
 struct NodeReport {
-    NodeStage stage = NodeStage::online;
-    NodeId id = kNobody;
+    NodeState state{};
     NodeCounts counts;
     bool restart_wanted = false;
 };
@@ -90,6 +96,7 @@ class Node {
     const NodeIdentity& identity() const { return identity_; }
     /// The CAN ids that it receives. Constant.
     std::span<const CanIdMatch> wanted() const { return wanted_; }
+    NodeState state() const { return {stage_, identity_.id}; }
     NodeReport report() const;
     /// Takes the latest change of a period that was written. `nullopt` if there is none.
     std::optional<PeriodRequest> take_period_request();

@@ -35,6 +35,7 @@ Engine::Engine(std::vector<InputSettings> inputs, std::vector<OutputSettings> ou
     ran_.reserve(outputs_.size());
     told_inputs_.resize(inputs_.size());
     told_outputs_.resize(outputs_.size());
+    told_nodes_.resize(nodes_.size());
     for (Input& input : inputs_) {
         input.tell_changes_to(*this);
     }
@@ -45,8 +46,9 @@ Engine::Engine(std::vector<InputSettings> inputs, std::vector<OutputSettings> ou
 }
 
 void Engine::start(Instant now) {
-    for (const auto& node : nodes_) {
-        node->start(now);
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        nodes_[i]->start(now);
+        told_nodes_[i] = nodes_[i]->state();
     }
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
         outputs_[i].start(now);
@@ -64,6 +66,7 @@ void Engine::continue_from(Engine& before, const EngineCarry& carry, Instant now
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
         if (const CarriedFrom from = carry.nodes[i]) {
             nodes_[i]->continue_from(*before.nodes_[*from]);
+            told_nodes_[i] = before.told_nodes_[*from];
         }
     }
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
@@ -133,6 +136,18 @@ OutputState Engine::tell_output(std::size_t output, Instant now) {
     return fresh.output;
 }
 
+void Engine::tell_node(std::size_t node, Instant now) {
+    const dronecan::NodeState state = nodes_[node]->state();
+    if (state != told_nodes_[node]) {
+        const PartState was{.node = std::exchange(told_nodes_[node], state)};
+        add({.at = now,
+             .part = Change::Part::node,
+             .index = node,
+             .was = was,
+             .now = {.node = state}});
+    }
+}
+
 /// An input that an output takes is good, and nothing else tells that. An output that leaves
 /// control looks further ahead than its input, which will be lost a period later or not at all.
 void Engine::output_changed(std::size_t output, Instant now) {
@@ -187,6 +202,7 @@ Instant Engine::poll_nodes(Instant now) {
     Instant next = kNever;
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
         next = std::min(next, nodes_[i]->poll(now, health_of(i)));
+        tell_node(i, now);
         const auto request = nodes_[i]->take_period_request();
         if (request) {
             outputs_[request->output].set_period(request->period);

@@ -31,7 +31,7 @@ class Engine final : private ChangeWatch {
     Engine(const Engine&) = delete;
     Engine& operator=(const Engine&) = delete;
 
-    /// Tells `sink`, which must outlive the engine, each change of state of an input or output.
+    /// Tells `sink`, which must outlive the engine, each change of state of a part.
     void tell_changes_to(ChangeSink& sink) { changes_ = &sink; }
     void start(Instant now);
     /// Call after `start`. The parts named in `carry` take over their state in `before`, which is
@@ -132,6 +132,7 @@ class Engine final : private ChangeWatch {
     Instant end_output(std::size_t output, Instant now);
     bool announce(std::size_t input, bool frame_came);
     Instant poll_nodes(Instant now);
+    void tell_node(std::size_t node, Instant now);
     dronecan::NodeHealth health_of(std::size_t node) const;
 
     std::vector<Input> inputs_;
@@ -139,6 +140,7 @@ class Engine final : private ChangeWatch {
     LineRoles line_roles_;
     /// Pointers, because outputs keep references to them.
     std::vector<std::unique_ptr<dronecan::Node>> nodes_;
+    std::vector<dronecan::NodeState> told_nodes_;
     /// Index of the DroneCAN node that each output sends as.
     std::vector<std::optional<std::size_t>> node_of_;
     /// Indices of the outputs that each input may feed.

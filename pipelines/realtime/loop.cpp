@@ -95,9 +95,22 @@ Instant Loop::poll_can_links(Instant now) {
     for (const std::size_t port : can_ports_) {
         if (ports_[port].link) {
             next = std::min(next, ports_[port].link->as_can()->poll(now));
+            tell_bus(port, now);
         }
     }
     return next;
+}
+
+void Loop::tell_bus(std::size_t port, Instant now) {
+    const CanBusState state = ports_[port].link->as_can()->state();
+    if (state != ports_[port].told_bus) {
+        const PartState was{.bus = std::exchange(ports_[port].told_bus, state)};
+        changes_->add({.at = now,
+                       .part = Change::Part::bus,
+                       .index = port,
+                       .was = was,
+                       .now = {.bus = state}});
+    }
 }
 
 /// Runs and sends what is due. Returns when something will be due next.

@@ -155,6 +155,7 @@ struct ValueStatus {
     Instant at{};            ///< of `number`
     bool ever = false;       ///< it had a number before
     bool available = false;  ///< its source has a number now, stale or not
+    ValueGaps gaps{};
 };
 
 /// Drives an engine in real time: waits for bytes and deadlines, reads all that is ready, runs the
@@ -216,7 +217,7 @@ class Loop {
         return Instant(Duration(published_at_ns_.load(std::memory_order_acquire)));
     }
     AbsenceStatus absence() const { return absence_status_.read(); }
-    /// Changes of state of inputs and outputs, also those of the loop before. Up to the number
+    /// Changes of state of all parts, also those of the loop before. Up to the number
     /// `changes_before` the indices are those of that one.
     const ChangeRing& changes() const { return *changes_; }
     std::uint64_t changes_before() const { return changes_before_; }
@@ -238,6 +239,7 @@ class Loop {
         std::atomic<Link*> lost{nullptr};
         std::atomic<Link*> given{nullptr};
         Snapshot<CanLinkStatus> can_status;
+        CanBusState told_bus = CanBusState::ready;
         ReadPacer pacer{Duration::zero()};
         /// The port is not watched until then. `kNever`: it is watched.
         Instant quiet_until = kNever;
@@ -294,6 +296,7 @@ class Loop {
     void note_sent(std::size_t output, Instant now);
     /// Returns when to call `poll` of the links again.
     Instant poll_can_links(Instant now);
+    void tell_bus(std::size_t port, Instant now);
     Instant advance(Instant now);
     void end_at_once(Instant now);
     void look_at_lines(Instant now);

@@ -77,7 +77,8 @@ void Loop::publish_values() {
         value_status_[value].publish({.number = board.latest(value),
                                       .at = board.at(value),
                                       .ever = board.ever(value),
-                                      .available = board.available(value)});
+                                      .available = board.available(value),
+                                      .gaps = board.gaps(value)});
     }
     for (std::size_t bus = 0; bus < bus_states_.size(); ++bus) {
         bus_states_[bus].publish(settings_.values->bus_state(bus));

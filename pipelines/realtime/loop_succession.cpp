@@ -116,6 +116,7 @@ void Loop::take_ports(Loop& before, Instant now) {
 void Loop::take_link(std::size_t index, Port& before, const PortCarry& carry, Instant now) {
     Port& port = ports_[index];
     port.link = std::move(before.link);
+    port.told_bus = before.told_bus;
     port.lost.store(before.lost.exchange(nullptr), std::memory_order_release);
     port.watch = std::exchange(before.watch, std::nullopt);
     if (port.watch) {

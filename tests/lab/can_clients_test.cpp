@@ -244,8 +244,9 @@ TEST_F(Canplayer, MovesTheServosAsTheEncodedLogSaysAndItsEndIsFailsafe) {
 
 class Cansend : public CanClient {
   protected:
-    /// Sends each frame three times in the middle of a stream. Good frames must still have the
-    /// receiver's sticks, and the programs must go on. Returns what the servos saw.
+    /// Sends each frame three times in the middle of a stream, the first once more by itself. Good
+    /// frames must still have the receiver's sticks, and the programs must go on. Returns what the
+    /// servos saw.
     std::vector<SbusSight> send_amid_stream(const std::string& interface,
                                             const std::vector<std::string>& frames) {
         EXPECT_TRUE(carry_until_control());
@@ -254,13 +255,21 @@ class Cansend : public CanClient {
             const auto sights = carry_for(time);
             all.insert(all.end(), sights.begin(), sights.end());
         };
+        std::string log;
         for (std::size_t i = 0; i < 3 * frames.size(); ++i) {
-            Program client(folder(), {interface, frames[i / 3]}, tool("cansend"));
+            log += fmt::format("({:.6f}) {} {}\n", 0.03 * static_cast<double>(i), interface,
+                               frames[i / 3]);
+        }
+        const auto run = [&](const std::vector<std::string>& arguments, const std::string& name) {
+            Program client(folder(), arguments, tool(name));
             while (client.runs()) {
                 carry(milliseconds(10));
             }
-            EXPECT_EQ(client.end(), 0) << frames[i / 3] << client.errors();
-        }
+            EXPECT_EQ(client.end(), 0) << client.errors();
+        };
+        run({interface, frames.front()}, "cansend");
+        // A process for each frame takes a second where the kernel is a program.
+        run({"-I", write("frames.log", log)}, "canplayer");
         // Gives the programs time to log.
         carry(milliseconds(500));
         const SbusSight sticks = sbus_sight_of(sticks_with_first(1234));

@@ -99,6 +99,7 @@ class PendingCan final : public CanLink {
         return WriteStatus::written;
     }
     Instant poll(Instant) override { return kNever; }
+    CanBusState state() const override { return {}; }
     CanLinkStatus status() const override { return {}; }
 
   private:

@@ -147,7 +147,7 @@ class ServiceNotifyOf : public testing::Test {
     }
     ServiceNotify& start(Instant now) {
         service_.emplace();
-        service_->started(*appliance_, now);
+        service_->started(now);
         EXPECT_EQ(manager_.told(), Lines{"READY=1"});
         return *service_;
     }
@@ -206,32 +206,29 @@ TEST_F(ServiceNotifyOf, TheEndSaysWhatOutputsDo) {
               Lines{"STOPPING=1\nSTATUS=outputs send their last frames as their failsafe demands"});
 }
 
+/// A failsafe that lasts is told in steps of time, of which the first is 1 s. A busy machine may
+/// take five seconds until the appliance is frozen.
 TEST_F(ServiceNotifyOf, TheStatusIsToldAtOnceAndThenIfItChangesEachSecond) {
     const Instant now = freeze();
     ServiceNotify& service = start(now);
     service.look(*appliance_, now);
-    EXPECT_EQ(manager_.told(), Lines{std::string(kStatus)});
-    // A failsafe that lasts is told in steps of time.
-    service.look(*appliance_, now + 1s);
-    const Lines told = manager_.told();
-    ASSERT_EQ(told.size(), 1U);
-    EXPECT_NE(told[0], kStatus);
-    service.look(*appliance_, now + 2s);
-    EXPECT_EQ(manager_.told(), Lines{}) << "more than 1 s, still";
-    service.look(*appliance_, now + 3s - 1ns);
-    EXPECT_EQ(manager_.told(), Lines{});
-    service.look(*appliance_, now + 3s);
-    EXPECT_EQ(manager_.told().size(), 1U) << "more than 3 s";
+    EXPECT_EQ(manager_.told_without_times(), Lines{std::string(kStatus)});
+    service.look(*appliance_, now + 3500ms);
+    EXPECT_EQ(manager_.told().size(), 1U) << "the data thread stands";
+    service.look(*appliance_, now + 4600ms);
+    EXPECT_EQ(manager_.told(), Lines{}) << "more than 3 s, still";
+    service.look(*appliance_, now + 11s);
+    EXPECT_EQ(manager_.told().size(), 1U) << "more than 10 s";
 }
 
 TEST_F(ServiceNotifyOf, TheStatusIsNotToldAgainWithinASecond) {
     const Instant now = freeze();
     ServiceNotify& service = start(now);
-    service.look(*appliance_, now + 500ms);
+    service.look(*appliance_, now + 900ms);
     EXPECT_EQ(manager_.told().size(), 1U);
-    service.look(*appliance_, now + 1499ms);
-    EXPECT_EQ(manager_.told(), Lines{}) << "it would have changed";
-    service.look(*appliance_, now + 1500ms);
+    service.look(*appliance_, now + 1899ms);
+    EXPECT_EQ(manager_.told(), Lines{}) << "it would have changed: the data thread stands";
+    service.look(*appliance_, now + 1900ms);
     EXPECT_EQ(manager_.told().size(), 1U);
 }
 
@@ -239,9 +236,10 @@ TEST_F(ServiceNotifyOf, TheStatusIsToldAgainAfterAReload) {
     const Instant now = freeze();
     ServiceNotify& service = start(now);
     service.look(*appliance_, now);
-    service.started(*appliance_, now);
+    service.started(now);
     service.look(*appliance_, now);
-    EXPECT_EQ(manager_.told(), (Lines{std::string(kStatus), "READY=1", std::string(kStatus)}));
+    EXPECT_EQ(manager_.told_without_times(),
+              (Lines{std::string(kStatus), "READY=1", std::string(kStatus)}));
 }
 
 TEST_F(ServiceNotifyOf, TheStatusOfAllGoodNamesInputAndOutputs) {
@@ -344,7 +342,7 @@ TEST_F(ServiceNotifyOf, ADataThreadThatStandsIsForgottenAfterAReload) {
         feeds(now += 200ms);
     }
     EXPECT_NE(logged_.take_lines_of("the data thread stands"), "");
-    service_->started(*appliance_, now);
+    service_->started(now);
     for (int i = 0; i <= 5; ++i) {
         feeds(now += 200ms);
     }

@@ -4,8 +4,13 @@
 #include <chrono>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <thread>
 #include <utility>
+#include <variant>
+#include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "app/log/state_log.h"
@@ -20,11 +25,16 @@
 #include "transports/links/medium.h"
 #include "transports/links/unique_fd.h"
 
-/// What the log says of frames in which a decoder finds the fault itself.
+/// What is told of frames in which a decoder finds the fault itself, and of a bus and a value that
+/// change for a moment.
 namespace tribus::test::state_log_fault_test {
 namespace {
 
 using namespace std::chrono_literals;
+
+/// Two frames that tell the interface of the test how its bus is.
+const CanFrame kBusOff = standard_frame(0x7FE, {0});
+const CanFrame kBusWorks = standard_frame(0x7FE, {1});
 
 /// A CAN interface that receives what the test sends through a pair of sockets.
 class SocketBus final : public CanLink {
@@ -38,6 +48,10 @@ class SocketBus final : public CanLink {
         if (::recv(socket_, &received.frame, sizeof received.frame, 0) != sizeof received.frame) {
             return ReadStatus::nothing;
         }
+        if (received.frame == kBusOff || received.frame == kBusWorks) {
+            state_ = received.frame == kBusOff ? CanBusState::bus_off : CanBusState::ready;
+            return ReadStatus::nothing;
+        }
         received.at = now;
         reception.count = 1;
         return ReadStatus::received;
@@ -47,10 +61,12 @@ class SocketBus final : public CanLink {
         return WriteStatus::unavailable;
     }
     Instant poll(Instant /*now*/) override { return kNever; }
-    CanLinkStatus status() const override { return {}; }
+    CanBusState state() const override { return state_; }
+    CanLinkStatus status() const override { return {state_, {}}; }
 
   private:
     int socket_;
+    CanBusState state_ = CanBusState::ready;
 };
 
 /// Its places are numbers of sockets.
@@ -75,19 +91,37 @@ class StateLogOfMessages : public testing::Test {
         interface_ = UniqueFd(ends[1]);
         folder_.write("bus.dbc",
                       "BO_ 256 M: 2 A\n SG_ Steer : 0|16@1+ (1,0) [800|2200] \"us\" B\n");
-        Configuration configuration =
-            load_configuration(
-                "[input.bus]\nprotocol = \"dbc\"\ninterface = \"can0\"\ntimeout = \"" + timeout +
-                    "\"\n"
-                    "dbc = \"bus.dbc\"\nsignals.M.Steer = 1\n"
-                    "[output.servos]\nprotocol = \"sbus\"\ndevice = \"" +
-                    servos_.path() +
-                    "\"\n[pipeline.main]\nfrom = \"bus\"\nto = \"servos\"\n"
-                    "[runtime]\nrealtime = \"off\"\n",
-                folder_ / "test.toml")
-                .value();
+        const std::string text = fmt::format(
+            R"([input.bus]
+protocol = "dbc"
+interface = "can0"
+timeout = "{}"
+dbc = "bus.dbc"
+signals.M.Steer = 1
+[output.servos]
+protocol = "sbus"
+device = "{}"
+[pipeline.main]
+from = "bus"
+to = "servos"
+[values.steering]
+interface = "can0"
+dbc = "bus.dbc"
+message = "M"
+timeout = "100ms"
+[sensor_bus.telemetry]
+device = "{}"
+role = "sensor"
+sensor = [{{ type = "temperature", value = "steering.Steer", scale = 1 }}]
+[runtime]
+realtime = "off"
+)",
+            timeout, servos_.path(), sensors_.path());
+        Configuration configuration = load_configuration(text, folder_ / "test.toml").value();
         configuration.inputs[0].port.medium = &kSocketBuses;
         configuration.inputs[0].port.device = std::to_string(interface_.get());
+        std::get<ValueMessageConfig>(configuration.values[0].source).port =
+            configuration.inputs[0].port;
         appliance_ = Appliance::start(std::move(configuration)).value();
         teller_ = std::make_unique<Teller>(*appliance_, Instant(0s));
     }
@@ -99,13 +133,37 @@ class StateLogOfMessages : public testing::Test {
         }));
         teller_->look(*appliance_, now);
     }
+    /// Sends the frame and returns once the data thread has written a change; the log looks later.
+    void send_unlooked(const CanFrame& frame) {
+        const std::uint64_t before = appliance_->changes().newest();
+        ::send(node_.get(), &frame, sizeof frame, 0);
+        ASSERT_TRUE(seen_within([&] { return appliance_->changes().newest() > before; }));
+    }
+    void look() { teller_->look(*appliance_, monotonic_now()); }
+    ValueStatus steering() const {
+        for (std::size_t place = 0; place < appliance_->value_count(); ++place) {
+            if (appliance_->value(place).name == "steering.Steer") {
+                return appliance_->value_status(place);
+            }
+        }
+        ADD_FAILURE() << "no such value";
+        return {};
+    }
+    /// Changes of the parts of that kind since the start.
+    std::vector<ToldChange> told(std::string_view part) const {
+        std::vector<ToldChange> found = teller_->changes().since(0);
+        std::erase_if(found, [&](const ToldChange& change) { return change.part != part; });
+        return found;
+    }
     /// Returns the messages since the last call that begin with `of`.
     std::string said(std::string_view of) { return logged_.take_lines_of(of); }
+
+    UniqueFd node_;
 
   private:
     TemporaryFolder folder_;
     FarEnd servos_{folder_ / "servos"};
-    UniqueFd node_;
+    FarEnd sensors_{folder_ / "sensors"};
     UniqueFd interface_;
     LogInMemory logged_{"%v"};
     std::unique_ptr<Appliance> appliance_;
@@ -119,6 +177,39 @@ TEST_F(StateLogOfMessages, NamesTheSignalWithoutAValueInsteadOfTheReceiver) {
     receive(standard_frame(256, {0xB8, 0x0B}), LinkCause::radio_lost, Instant(2s));
     EXPECT_EQ(said("input bus: "),
               "input bus: radio lost (message M, signal Steer: 3000 is outside of [800|2200])\n");
+}
+
+TEST_F(StateLogOfMessages, TellsABusOffThatIsOverBeforeTheLogLooks) {
+    const Instant begin = monotonic_now();
+    send_unlooked(kBusOff);
+    const Instant between = monotonic_now();
+    send_unlooked(kBusWorks);
+    look();
+    const std::vector<ToldChange> changes = told("bus");
+    ASSERT_EQ(changes.size(), 2U);
+    EXPECT_EQ(changes[0].now, "bus_off");
+    EXPECT_TRUE(begin <= changes[0].at && changes[0].at <= between);
+    EXPECT_EQ(changes[1].now, "ready");
+    EXPECT_TRUE(between <= changes[1].at && changes[1].at <= monotonic_now());
+}
+
+/// The value lasts 100 ms. A busy machine only makes it stale for longer.
+TEST_F(StateLogOfMessages, TellsAStaleValueThatIsFreshAgainBeforeTheLogLooks) {
+    const CanFrame frame = standard_frame(256, {0xDC, 0x05});
+    receive(frame, LinkCause::good, monotonic_now());
+    const std::size_t known = told("value").size();
+    ASSERT_TRUE(seen_within([&] {
+        std::this_thread::sleep_for(150ms);
+        ::send(node_.get(), &frame, sizeof frame, 0);
+        return steering().gaps.count > 0;
+    }));
+    look();
+    const std::vector<ToldChange> changes = told("value");
+    ASSERT_GE(changes.size(), known + 2);
+    EXPECT_EQ(changes[known].now, "stale");
+    EXPECT_EQ(changes[known].at, steering().gaps.stale_at);
+    EXPECT_EQ(changes[known + 1].now, "fresh");
+    EXPECT_EQ(changes[known + 1].at, steering().gaps.fresh_since);
 }
 
 class StateLogOfFramesThatNeverCount : public StateLogOfMessages {

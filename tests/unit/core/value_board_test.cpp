@@ -54,5 +54,33 @@ TEST_F(ValueBoardOfTwo, HasNoNumberOnceItsSourceSaysSo) {
     EXPECT_EQ(board_.tag(0), 3);
 }
 
+TEST_F(ValueBoardOfTwo, RemembersWhenItHadNoFreshNumber) {
+    board_.set(0, 11.1, kStart);
+    board_.set(0, 11.1, kStart + 1s);
+    EXPECT_EQ(board_.gaps(0).count, 0U);
+    EXPECT_EQ(board_.gaps(0).fresh_since, kStart);
+    board_.set(0, 11.1, kStart + 2s + 1ns);
+    EXPECT_EQ(board_.gaps(0).count, 1U);
+    EXPECT_EQ(board_.gaps(0).stale_at, kStart + 2s);
+    EXPECT_EQ(board_.gaps(0).fresh_since, kStart + 2s + 1ns);
+}
+
+TEST_F(ValueBoardOfTwo, RemembersThatItsSourceHadNoNumber) {
+    board_.set(0, 11.1, kStart);
+    board_.remove(0);
+    board_.set(0, 11.1, kStart + 20ms);
+    EXPECT_EQ(board_.gaps(0).count, 1U);
+    EXPECT_EQ(board_.gaps(0).stale_at, kStart + 20ms);
+    EXPECT_EQ(board_.gaps(0).fresh_since, kStart + 20ms);
+}
+
+TEST_F(ValueBoardOfTwo, HasNoGapBeforeTheFirstNumberAndWithoutALifetime) {
+    board_.set(0, 11.1, kStart + 9s);
+    board_.set(1, 6, kStart);
+    board_.set(1, 6, kStart + 9s);
+    EXPECT_EQ(board_.gaps(0).count, 0U);
+    EXPECT_EQ(board_.gaps(1).count, 0U);
+}
+
 }  // namespace
 }  // namespace tribus::value_board_test

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "core/can_bus_state.h"
 #include "core/can_frame.h"
 #include "core/time.h"
 #include "transports/links/link.h"
@@ -40,16 +41,6 @@ struct CanReception {
     bool full = false;  ///< the read was full: more frames may be waiting
 
     std::span<const ReceivedCanFrame> view() const { return {frames.data(), count}; }
-};
-
-/// What an interface can do for a sender now.
-enum class CanBusState : std::uint8_t {
-    ready,
-    warning,  ///< the controller counts many errors
-    passive,  ///< still more errors; it can send if another node acknowledges
-    stalled,  ///< a frame has been waiting too long: no node acknowledges, or the bus is full
-    bus_off,  ///< the controller has left the bus
-    down,     ///< the interface is down
 };
 
 /// Counts of events on one interface since it was opened. They only ever increase.
@@ -91,6 +82,7 @@ class CanLink : public Link {
     /// Sends frames that are due and detects stalls. Returns when to call it again at the latest.
     virtual Instant poll(Instant now) = 0;
 
+    virtual CanBusState state() const = 0;
     virtual CanLinkStatus status() const = 0;
     CanLink* as_can() final { return this; }
 };

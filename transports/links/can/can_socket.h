@@ -51,6 +51,7 @@ class CanSocket final : public CanLink {
     /// All frames need ids of LinkUse::sent and must not be remote frames.
     WriteStatus write(std::size_t lane, std::span<const CanFrame> snapshot, Instant now) override;
     Instant poll(Instant now) override;
+    CanBusState state() const override { return transmitter_.state(); }
     CanLinkStatus status() const override { return {transmitter_.state(), counts_}; }
     int descriptor() const override { return fd_.get(); }
     int second_descriptor() const override { return changes_.get(); }

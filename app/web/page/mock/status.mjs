@@ -214,6 +214,7 @@ export function statusOf(name, scene, seconds, extra = {}) {
         type: 'status', version: 1, name, file: `/etc/tribus/${name}.toml`,
         t_us: Math.round(performance.now() * 1000), unix_time_us: Date.now() * 1000,
         uptime_us: Math.round(seconds * 1e6), trial_left_us: null, trial: null,
+        text: 'servos: under control of receiver; receiver: good',
         fingerprint: 'f1', figures_age_us: 60_000,
         ...(PLANTS[name] ?? boat)(seconds),
         machine: { temperature_degC: 51.2, load_percent: 12, memory_percent: 31, supply_V: 5.08,

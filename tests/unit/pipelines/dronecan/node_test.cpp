@@ -281,7 +281,7 @@ TEST(DroneCanNode, FallsSilentWhereAnotherNodeHasItsIdUntilThatIsGoneFor5Seconds
     EXPECT_EQ(bus.node().identity().id, 42);
     bus.hear(frames_of_message(NodeStatus{}, 42, 0));
     EXPECT_EQ(bus.node().identity().id, kNobody);
-    EXPECT_EQ(bus.node().report().stage, NodeStage::conflict);
+    EXPECT_EQ(bus.node().state().stage, NodeStage::conflict);
     EXPECT_TRUE(bus.run(milliseconds(4000)).empty());
     bus.hear(frames_of_message(NodeStatus{}, 42, 1));
     EXPECT_TRUE(bus.run(milliseconds(4999)).empty());
@@ -369,7 +369,7 @@ TEST(DroneCanNodeWithoutId, SaysItsUniqueIdInThreePartsAndTakesTheIdThatItGets) 
     }
     EXPECT_FALSE(bus.run(milliseconds(1)).empty());
     EXPECT_EQ(bus.node().identity().id, 99);
-    EXPECT_EQ(bus.node().report().stage, NodeStage::online);
+    EXPECT_EQ(bus.node().state().stage, NodeStage::online);
 }
 
 TEST(DroneCanNodeWithoutId, DoesNotTakeTheIdOfAnother) {

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/dronecan_frames.h"
 #include "tests/unit/pipelines/engine/engine_bench.h"
 
 /// The changes of state that an engine writes into its ring, each at its moment.
@@ -179,6 +180,31 @@ TEST(EngineChanges, TellEachOfTenThousandShortLossesWithItsTime) {
         }
     }
     EXPECT_EQ(told_losses, kLosses);
+}
+
+TEST(EngineChanges, HaveAConflictOfADroneCanNodeAndItsEnd) {
+    dronecan::NodeSettings settings;
+    settings.id = 42;
+    Engine engine({}, {}, {}, {settings});
+    const Changes changes(engine);
+    engine.start(at(0ms));
+    engine.poll(at(0ms));
+    EXPECT_TRUE(changes.all.empty());
+    for (const CanFrame& frame : frames_of_message(dronecan::NodeStatus{}, 42, 0)) {
+        engine.node(0).receive(frame, at(70ms));
+    }
+    engine.poll(at(70ms));
+    engine.poll(at(71ms));
+    engine.poll(at(5070ms));
+    ASSERT_EQ(changes.all.size(), 2U);
+    const dronecan::NodeState online{.stage = dronecan::NodeStage::online, .id = 42};
+    const dronecan::NodeState silent{.stage = dronecan::NodeStage::conflict};
+    EXPECT_EQ(changes.all[0].part, Change::Part::node);
+    EXPECT_EQ(changes.all[0].at, at(70ms));
+    EXPECT_EQ(changes.all[0].was.node, online);
+    EXPECT_EQ(changes.all[0].now.node, silent);
+    EXPECT_EQ(changes.all[1].at, at(5070ms));
+    EXPECT_EQ(changes.all[1].now.node, online);
 }
 
 }  // namespace

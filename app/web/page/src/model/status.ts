@@ -171,6 +171,7 @@ export interface Status {
     uptime_us: number;
     trial_left_us: number | null;
     trial: number | null;
+    text: string;
     fingerprint: string;
     figures_age_us: number | null;
     changes: number;
