@@ -223,6 +223,8 @@ class Appliance {
     struct OpenProblem {
         std::string text{};
         bool told = false;
+        /// Opening a port may take long, such as one that is measured: then it is tried less often.
+        Instant try_at{};
     };
     std::vector<OpenProblem> open_problems_;  ///< one a port
     BusOffWatch bus_off_watch_;

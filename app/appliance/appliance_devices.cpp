@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <string>
 #include <utility>
@@ -39,10 +40,15 @@ std::vector<Appliance::DeviceEvent> Appliance::reopen_devices() {
             missing_[port] = true;
             events.push_back(event_of(plans_[port].config, false));
         }
-        if (missing_[port]) {
+        if (missing_[port] && monotonic_now() >= open_problems_[port].try_at) {
+            constexpr Duration kLong = std::chrono::milliseconds(50);
+            constexpr int kPause = 10;
+            const Instant begin = monotonic_now();
             auto link = open_port(configuration_, stations(), plans_[port]);
             if (!link) {
+                const Duration took = monotonic_now() - begin;
                 tell_problem(port, link.error(), events);
+                open_problems_[port].try_at = took < kLong ? Instant{} : begin + kPause * took;
                 continue;
             }
             loop_->give(port, std::move(*link));

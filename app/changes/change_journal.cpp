@@ -130,8 +130,8 @@ void ChangeJournal::tell_lost(Instant at, Wall wall) {
              .name = "changes",
              .field = "lost",
              .now = std::to_string(lost),
-             .text = counted(lost, "change") + " of inputs and outputs came faster than they were "
-                                               "read, and nobody is told of them"});
+             .text = counted(lost, "change") +
+                     " of state came faster than they were read, and nobody is told of them"});
     }
 }
 
@@ -281,6 +281,10 @@ void ChangeJournal::look_at_values(const Appliance& appliance, Wall wall) {
     for (ValueMemory& memory : values_) {
         const ValueStatus status = appliance.value_status(memory.index);
         if (!status.ever) {
+            // Its source is another one than before a reload.
+            if (memory.fresh) {
+                tell_value(memory, false, wall.now, wall);
+            }
             continue;
         }
         const std::uint64_t told = std::exchange(memory.gaps, status.gaps.count);

@@ -10,6 +10,7 @@
 #include "config/build/carry_over.h"
 #include "core/counted.h"
 #include "pipelines/realtime/clock.h"
+#include "pipelines/realtime/thread_notices.h"
 
 namespace tribus {
 namespace {
@@ -215,6 +216,9 @@ void Daemon::look_after_parts(Instant now) {
     journal_.look(*appliance_, now, wall_time_now());
     change_log_.look(journal_, now);
     log_->look(*appliance_, news, now);
+    for (const std::string& text : take_thread_notices()) {
+        log_warning("{}", text);
+    }
 }
 
 void Daemon::look_at_recorders(Instant now) {

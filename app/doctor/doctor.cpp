@@ -25,6 +25,7 @@
 #include "app/doctor/facts/gpio_facts.h"
 #include "app/doctor/facts/input_facts.h"
 #include "app/doctor/facts/kernel_files.h"
+#include "app/doctor/facts/port_users.h"
 #include "app/doctor/facts/pwm_facts.h"
 #include "app/doctor/facts/spi_facts.h"
 #include "app/doctor/machine_judge.h"
@@ -33,9 +34,11 @@
 #include "config/schema/notation.h"
 #include "core/quotes.h"
 #include "pipelines/realtime/clock.h"
+#include "transports/codecs/sbus/sbus.h"
 #include "transports/links/evdev/evdev_link.h"
 #include "transports/links/gpio/gpio_line.h"
-#include "transports/links/spi/spi_link.h"
+#include "transports/links/spi/spi_loopback.h"
+#include "transports/links/spi/spi_port.h"
 
 namespace tribus {
 namespace {
@@ -49,6 +52,7 @@ struct DoctorOptions {
     std::vector<std::string> devices;
     std::string listening = "3s";
     std::string format = "text";
+    bool loopback = false;
 };
 
 void append(std::vector<Finding>& to, std::vector<Finding> more) {
@@ -112,12 +116,31 @@ void take_gpio(const std::string& device, std::span<const GpioChip> chips, Repor
     }
 }
 
-/// Opens a port that may be opened, to see whether it takes its settings. Sends nothing: an output
-/// may be using it.
-void take_spi_port(const KernelFiles& files, const std::string& device, Report& report) {
+/// Sends frames by a wire between the data lines of the port.
+void try_loopback(SpiFacts& facts) {
+    constexpr int kFrames = 1000;
+    const auto tried = try_spi_loopback(facts.device, kSbusProtocol.line, kFrames, monotonic_now);
+    if (tried) {
+        facts.loopback = *tried;
+    } else {
+        facts.refusal = tried.error().substr(facts.device.size() + 2);
+    }
+}
+
+/// Opens a port that nobody has open, to see whether it takes its settings. Sends nothing unless
+/// the user asks for it.
+void take_spi_port(const KernelFiles& files, const std::string& device, bool loopback,
+                   Report& report) {
     SpiFacts facts = look_at_spi_port(files, device);
-    if (facts.access.may_open) {
-        facts.refusal = why_no_spi_port(facts.device);
+    facts.users = users_of(files, facts.device).users;
+    if (facts.access.may_open && facts.users.empty()) {
+        facts.refusal = why_no_spi_port(facts.device, SpiUse::listens);
+        if (facts.refusal->empty()) {
+            facts.no_output = why_no_spi_port(facts.device, SpiUse::draws);
+        }
+        if (loopback && facts.refusal->empty() && facts.no_output.empty()) {
+            try_loopback(facts);
+        }
     }
     append(report.findings, judge_spi_port(facts, true));
     report.spi.push_back(std::move(facts));
@@ -132,7 +155,7 @@ bool take_other_end(const KernelFiles& files, const std::string& device, Report&
     } else if (device == "/dev/uinput" || device == "uinput") {
         take_uinput(files, true, report);
     } else if (names_spi_port(device)) {
-        take_spi_port(files, device, report);
+        take_spi_port(files, device, false, report);
     } else if (const auto chips = find_gpio_chips().value_or(std::vector<GpioChip>{});
                names_gpio(device, chips)) {
         take_gpio(device, chips, report);
@@ -203,10 +226,21 @@ int examine(const DoctorOptions& options) {
                                     format_duration(kLongest)),
                         kExitWrongUse);
     }
+    const auto no_spi_port = std::ranges::find_if_not(options.devices, names_spi_port);
+    if (options.loopback && (options.devices.empty() || no_spi_port != options.devices.end())) {
+        return complain(
+            "--loopback: only for SPI ports; name them, such as tribus doctor --loopback "
+            "/dev/spidev0.0",
+            kExitWrongUse);
+    }
     const KernelFiles files("/");
     Report report;
     const std::vector<std::string> can = can_interfaces(files);
     for (const std::string& device : options.devices) {
+        if (options.loopback) {
+            take_spi_port(files, device, true, report);
+            continue;
+        }
         take_device(files, device, *time, can, report);
     }
     if (options.devices.empty()) {
@@ -227,7 +261,8 @@ Command doctor_command() {
         .name = "doctor",
         .help = "Check what ports and machine can do, what arrives, and what to fix",
         .notes =
-            "A device that another program has open is not opened. Nothing is written to a device. "
+            "A device that another program has open is not opened. Nothing is written to a device, "
+            "except with --loopback. "
             "But opening it raises its control lines, which restarts some boards (Arduino), and "
             "the kernel may echo a byte that arrives at that moment, as it may with `run`.",
         .options = {{.name = "DEVICE",
@@ -240,6 +275,10 @@ Command doctor_command() {
                      .help = "How long to listen to each device",
                      .shows_value = true,
                      .value_name = "DURATION"},
+                    {.name = "--loopback",
+                     .value = &options->loopback,
+                     .help = "With nothing but a wire from MOSI to MISO of an SPI port: send 1,000 "
+                             "frames of SBUS and read them back"},
                     {.name = "--format",
                      .value = &options->format,
                      .help = "json: one object",

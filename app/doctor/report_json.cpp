@@ -163,12 +163,23 @@ OrderedJson gpio_json(const GpioFacts& facts) {
             {"configuration", configuration_lines(facts)}};
 }
 
+OrderedJson loopback_json(const SpiLoopback& loopback) {
+    return {{"sent", loopback.sent},
+            {"right", loopback.right},
+            {"silent", loopback.silent},
+            {"rate_hz", loopback.hz},
+            {"byte_before_ns", loopback.byte_before.count()},
+            {"byte_after_ns", loopback.byte_after.count()}};
+}
+
 OrderedJson spi_json(const SpiFacts& facts) {
     return {{"device", facts.device},
             {"exists", facts.access.exists},
             {"may_open", facts.access.may_open},
             {"group", facts.access.group},
             {"refusal", or_null(facts.refusal)},
+            {"no_output", facts.no_output},
+            {"loopback", facts.loopback ? loopback_json(*facts.loopback) : OrderedJson()},
             {"configuration", configuration_lines(facts)}};
 }
 

@@ -143,7 +143,12 @@ void print_gpio(const GpioFacts& facts, Page& page) {
 
 void print_spi_port(const SpiFacts& facts, Page& page) {
     if (facts.access.exists) {
-        page.paragraph("", facts.device + ": SPI port; its data line (MOSI) can make PPM");
+        page.paragraph("", facts.device +
+                               ": SPI port; its data lines can be those of SBUS without an "
+                               "inverter (out by MOSI, or in by MISO), and MOSI can make PPM");
+    }
+    if (facts.loopback) {
+        page.paragraph("  ", describe(*facts.loopback));
     }
     if (facts.refusal) {
         print_lines(configuration_lines(facts), page);

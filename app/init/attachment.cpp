@@ -17,6 +17,7 @@
 #include "transports/codecs/sbus/sbus.h"
 #include "transports/links/can/can_medium.h"
 #include "transports/links/serial/serial_medium.h"
+#include "transports/links/spi/spi_serial_medium.h"
 #include "transports/registry/registry.h"
 
 namespace tribus::init {
@@ -40,7 +41,8 @@ std::vector<std::string_view> required_keys(const Protocol& protocol, SettingSco
 
 /// Whether it runs on a kind of place that `init` looks at.
 bool has_place(const Protocol& protocol) {
-    return carries(kSerialMedium, protocol) || carries(kCanMedium, protocol);
+    return carries(kSerialMedium, protocol) || carries(kCanMedium, protocol) ||
+           carries(kSpiSerialMedium, protocol);
 }
 
 std::vector<std::string_view> offered_names(SettingScope way) {
@@ -64,7 +66,7 @@ std::string protocol_refusal(std::string_view word, SettingScope way) {
     }
     if (!has_place(*protocol)) {
         return fmt::format(
-            "{} runs on {} only, and `init` writes lines for serial devices and CAN "
+            "{} runs on {} only, and `init` writes lines for serial devices, SPI ports and CAN "
             "interfaces; {}; allowed here: {}",
             word, media_for(*protocol).front()->name,
             protocol == &kGamepadProtocol ? "`tribus learn DEVICE` prints the lines of a gamepad"
@@ -84,6 +86,9 @@ std::string protocol_refusal(std::string_view word, SettingScope way) {
 std::string link_refusal(const ExaminedPlace& examined, const Protocol& protocol) {
     if (carries(*examined.medium, protocol)) {
         return {};
+    }
+    if (examined.medium == &kSpiSerialMedium) {
+        return fmt::format("{} does not run on an SPI port; sbus does", protocol.name);
     }
     return examined.medium == &kSerialMedium
                ? fmt::format("{} runs on a CAN interface, such as can0; this is a serial device",
@@ -254,13 +259,17 @@ std::string ExaminedPlace::refusal(const Protocol& protocol) const {
     return doctor::hardware_refusal(doctor::kind_of(facts), facts, protocol.line).value_or("");
 }
 
+const Protocol& usual_protocol(WireShape shape) {
+    return shape == WireShape::bytes ? kSbusProtocol : kCanProtocol;
+}
+
 Decision decide_input(const ExaminedPlace& examined, const Protocol* named) {
     if (std::string refusal = unknown_place(examined, named); !refusal.empty()) {
         return refused_unknown(std::move(refusal));
     }
     const Protocol* protocol = named;
-    if (protocol == nullptr && examined.medium->shape == WireShape::can_frames) {
-        protocol = &kCanProtocol;
+    if (protocol == nullptr && examined.medium != &kSerialMedium) {
+        protocol = &usual_protocol(examined.medium->shape);
     } else if (protocol == nullptr && examined.story && has_channels(*examined.story)) {
         protocol = find_protocol(examined.story->protocol);
     }
@@ -282,14 +291,9 @@ Decision decide_input(const ExaminedPlace& examined, const Protocol* named) {
     return decision;
 }
 
-const Protocol& usual_output_protocol(WireShape shape) {
-    return shape == WireShape::bytes ? kSbusProtocol : kCanProtocol;
-}
-
 Decision decide_output(const ExaminedPlace& examined, const Protocol* named,
                        std::string_view trial) {
-    const Protocol& protocol =
-        named != nullptr ? *named : usual_output_protocol(examined.medium->shape);
+    const Protocol& protocol = named != nullptr ? *named : usual_protocol(examined.medium->shape);
     if (std::string refusal = unknown_place(examined, named); !refusal.empty()) {
         return refused_unknown(std::move(refusal));
     }
@@ -313,6 +317,9 @@ std::string port_conflict(const std::vector<Attachment>& others, const Attachmen
         const bool same_device = other.node == one.node &&
                                  one.protocol->shape == WireShape::bytes &&
                                  other.protocol->shape == WireShape::bytes;
+        if (other.node == one.node && one.medium->users == Users::one) {
+            return fmt::format("{} carries one input or one output; use another port", one.node);
+        }
         if (same_device && other.protocol->line != one.protocol->line) {
             return fmt::format(
                 "a port has one rate and parity, and those of {} and {} differ; use another port",

@@ -15,13 +15,13 @@
 #include "transports/codecs/protocol.h"
 #include "transports/links/serial/serial_medium.h"
 
-/// What `tribus init` knows about places (serial devices and CAN interfaces), and what it decides
-/// from that. Pure.
+/// What `tribus init` knows about places (serial devices, SPI ports and CAN interfaces), and what
+/// it decides from that. Pure.
 namespace tribus::init {
 
 /// The value of `--in` or `--out`.
 struct PlaceOption {
-    std::string place;                   ///< a serial device or a CAN interface
+    std::string place;                   ///< a serial device, an SPI port or a CAN interface
     const Protocol* protocol = nullptr;  ///< null: not named
 };
 
@@ -74,13 +74,14 @@ struct Decision {
     std::vector<doctor::Finding> findings;
 };
 
-/// Decides about an input at this place. Without a named protocol, it has the protocol that was
-/// heard; on an interface, the native format. A fault that can be corrected without a change of the
-/// configuration is a finding, any other a refusal: a sentence that does not name the place.
-Decision decide_input(const ExaminedPlace& examined, const Protocol* named);
+/// Protocol where none is named and none can be heard: SBUS, on an interface the native format.
+const Protocol& usual_protocol(WireShape shape);
 
-/// Protocol of an output for which none is named: SBUS, on an interface the native format.
-const Protocol& usual_output_protocol(WireShape shape);
+/// Decides about an input at this place. Without a named protocol, it has the protocol that was
+/// heard; where `init` does not listen, the usual one. A fault that can be corrected without a
+/// change of the configuration is a finding, any other a refusal: a sentence that does not name the
+/// place.
+Decision decide_input(const ExaminedPlace& examined, const Protocol* named);
 
 /// Decides about an output at this place, with the usual protocol if none is named. `trial`: why
 /// the port did not accept the settings of the protocol; empty if it did, or was not opened.
@@ -90,8 +91,8 @@ Decision decide_output(const ExaminedPlace& examined, const Protocol* named,
 /// Whether the named protocol can run on no place of this kind, such as SBUS on a CAN interface.
 bool is_wrong_kind(const ExaminedPlace& examined, const Protocol* named);
 
-/// Why this attachment and one of the others cannot share a serial device: rate or parity differ.
-/// Empty if there is no such conflict.
+/// Why this attachment and one of the others cannot share a device: rate or parity differ, or it is
+/// an SPI port. Empty if there is no such conflict.
 std::string port_conflict(const std::vector<Attachment>& others, const Attachment& one);
 
 }  // namespace tribus::init

@@ -93,6 +93,11 @@ std::string input_text(const Attachment& input, std::string_view name, std::stri
         table.comment(remark);
     }
     add_place(input, table);
+    if (input.medium->inverts) {
+        table.comment(
+            "The receiver's signal is at the port's data line in (MISO); no inverter. Its board: "
+            "/usr/share/doc/tribus/docs/boards/spi.md.");
+    }
     std::string timeout = in_quotes(format_duration(SupervisionSettings{}.timeout));
     for (const doctor::HeardKey& heard : input.keys) {
         if (heard.key == "timeout") {
@@ -111,8 +116,13 @@ std::string input_text(const Attachment& input, std::string_view name, std::stri
     return table.text();
 }
 
-void add_output_remarks(const Protocol& protocol, const Plan& plan, TableText& table) {
-    if (protocol.line.inverted_wire) {
+void add_output_remarks(const Attachment& output, const Plan& plan, TableText& table) {
+    const Protocol& protocol = *output.protocol;
+    if (output.medium->inverts) {
+        table.comment(
+            "The port's data line (MOSI) is the signal; no inverter. Its board: "
+            "/usr/share/doc/tribus/docs/boards/spi.md.");
+    } else if (protocol.line.inverted_wire) {
         table.comment(
             "This protocol is inverted on the wire. Put an inverter between TX and the servos "
             "(/usr/share/doc/tribus/docs/boards/wiring.md), unless the port inverts by itself.");
@@ -136,7 +146,7 @@ std::string output_text(const Attachment& output, std::string_view name, const P
     const Protocol& protocol = *output.protocol;
     TableText table(fmt::format("output.{}", name));
     add_place(output, table);
-    add_output_remarks(protocol, plan, table);
+    add_output_remarks(output, plan, table);
     table.comment(fmt::format("Shortest time between two frames, at least {}.",
                               in_quotes(format_duration(protocol.least_period))));
     table.commented_key("period", in_quotes(format_duration(protocol.default_period)));

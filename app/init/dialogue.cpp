@@ -217,9 +217,10 @@ Dialogue::Step Dialogue::ask_what_now(const ExaminedPlace& examined, Decision re
 Dialogue::Step Dialogue::try_input(const std::string& place, Attachment& input) {
     ExaminedPlace examined = ports_.look(place);
     const Protocol* named = nullptr;
-    if (examined.medium->shape == WireShape::can_frames) {
+    if (examined.medium != &kSerialMedium) {
         named = choose_protocol("Which protocol does it carry?",
-                                offered_protocols(SettingScope::input, kCanMedium), kCanProtocol);
+                                offered_protocols(SettingScope::input, *examined.medium),
+                                usual_protocol(examined.medium->shape));
         if (named == nullptr) {
             return Step::ended;
         }
@@ -275,8 +276,8 @@ std::optional<Attachment> Dialogue::ask_output(const std::vector<Attachment>& in
         if (offered.empty()) {
             continue;
         }
-        const Protocol* const protocol = choose_protocol(
-            "Which protocol does it read?", offered, usual_output_protocol(examined.medium->shape));
+        const Protocol* const protocol = choose_protocol("Which protocol does it read?", offered,
+                                                         usual_protocol(examined.medium->shape));
         if (protocol == nullptr) {
             return std::nullopt;
         }

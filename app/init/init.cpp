@@ -66,7 +66,7 @@ OrFailure<Attachment> decide(const PlaceOption& option, SettingScope way, Ports&
     ExaminedPlace examined = ports.look(option.place);
     const bool fits =
         option.protocol == nullptr || option.protocol->shape == examined.medium->shape;
-    const Protocol& usual = usual_output_protocol(examined.medium->shape);
+    const Protocol& usual = usual_protocol(examined.medium->shape);
     std::string trial;
     if (fits && way == SettingScope::input) {
         examined = ports.listen(option.place);
@@ -264,9 +264,10 @@ Command init_command() {
         .name = "init",
         .help = "Write a first configuration: ask what is attached, look, listen",
         .notes =
-            "PLACE is a serial device (/dev/ttyUSB0) or a CAN interface (can0). Without a "
-            "PROTOCOL, an input has the one that is heard there, an output has sbus or can. "
-            "Without --in or --out it asks. It writes nothing to a port.",
+            "PLACE is a serial device (/dev/ttyUSB0), an SPI port (/dev/spidev0.0) or a CAN "
+            "interface (can0). Without a PROTOCOL, a serial input has the one that is heard "
+            "there, all else has sbus or can. Without --in or --out it asks. It writes nothing to "
+            "a port.",
         .options = {{.name = "FILE",
                      .value = &options->file,
                      .help = "File to write; - prints it",

@@ -18,6 +18,7 @@
 #include "app/doctor/serial_judge.h"
 #include "transports/links/can/can_interface.h"
 #include "transports/links/can/can_medium.h"
+#include "transports/links/spi/spi_serial_medium.h"
 
 namespace tribus::init {
 namespace {
@@ -63,6 +64,14 @@ ExaminedPlace examined_interface(const std::string& name) {
     return examined;
 }
 
+ExaminedPlace examined_spi_port(const doctor::SpiFacts& facts) {
+    return {.medium = &kSpiSerialMedium,
+            .name = facts.device,
+            .node = facts.device,
+            .kind = "SPI port: SBUS without an inverter",
+            .findings = doctor::judge_spi_port(facts, true)};
+}
+
 /// Why `init` writes no lines for this place; empty if it may be a port.
 std::string other_end_text(const doctor::KernelFiles& files, const std::string& place) {
     if (doctor::names_input(files, place)) {
@@ -74,7 +83,7 @@ std::string other_end_text(const doctor::KernelFiles& files, const std::string& 
                "/usr/share/doc/tribus/docs/protocols/pwm.md has lines to start from, `tribus pwm` "
                "lists chips";
     }
-    if (doctor::names_spi_port(place) || doctor::names_gpio(place, {})) {
+    if (doctor::names_gpio(place, {})) {
         return "this reads or makes PPM; /usr/share/doc/tribus/docs/protocols/ppm.md has lines to "
                "start from, `tribus doctor " +
                place + "` looks at it";
@@ -111,6 +120,9 @@ std::vector<ExaminedPlace> MachinePorts::all() {
     for (const doctor::SerialFacts& facts : doctor::look_at_serial_ports(files_)) {
         found.push_back(examined_port(facts, doctor::judge_port(facts, true)));
     }
+    for (const doctor::SpiFacts& facts : doctor::look_at_spi_ports(files_)) {
+        found.push_back(examined_spi_port(facts));
+    }
     for (const std::string& name : doctor::can_interfaces(files_)) {
         found.push_back(examined_interface(name));
     }
@@ -120,6 +132,9 @@ std::vector<ExaminedPlace> MachinePorts::all() {
 ExaminedPlace MachinePorts::look(const std::string& place) {
     if (std::string why = other_end_text(files_, place); !why.empty()) {
         return {.name = place, .node = place, .kind = {}, .other_end = std::move(why)};
+    }
+    if (doctor::names_spi_port(place)) {
+        return examined_spi_port(doctor::look_at_spi_port(files_, place));
     }
     if (auto interface = interface_of(files_, place)) {
         return *std::move(interface);

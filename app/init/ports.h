@@ -12,7 +12,7 @@
 
 namespace tribus::init {
 
-/// Access to serial ports and CAN interfaces. Calls may block. Thread-bound.
+/// Access to serial ports, SPI ports and CAN interfaces. Calls may block. Thread-bound.
 class Ports {
   public:
     Ports() = default;

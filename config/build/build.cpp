@@ -9,6 +9,7 @@
 
 #include "config/schema/value_catalog.h"
 #include "pipelines/realtime/clock.h"
+#include "pipelines/realtime/thread_notices.h"
 #include "transports/codecs/dronecan/dronecan.h"
 #include "transports/links/gpio/gpio_line.h"
 
@@ -198,15 +199,16 @@ std::vector<PortPlan> plan_ports(const Configuration& configuration) {
 }
 
 LinkUse link_use(const Stations& stations, const PortPlan& plan) {
-    LinkUse use{.line = plan.config.line,
-                .wanted = {},
-                .sent = {},
-                .settings = plan.config.settings,
-                .way = plan.config.medium->users != Users::one               ? SettingScope::both
-                       : first_of(plan.wiring.stations, StationKind::output) ? SettingScope::output
-                                                                             : SettingScope::input,
-                .period = plan.period,
-                .worker = {.now = monotonic_now, .realtime = plan.realtime}};
+    LinkUse use{
+        .line = plan.config.line,
+        .wanted = {},
+        .sent = {},
+        .settings = plan.config.settings,
+        .way = plan.config.medium->users != Users::one               ? SettingScope::both
+               : first_of(plan.wiring.stations, StationKind::output) ? SettingScope::output
+                                                                     : SettingScope::input,
+        .period = plan.period,
+        .worker = {.now = monotonic_now, .realtime = plan.realtime, .warn = add_thread_notice}};
     for (const Station& station : plan.wiring.stations) {
         append(use.wanted, stations.wanted_ids(station));
         append(use.sent, stations.sent_ids(station));

@@ -88,8 +88,10 @@ void check_pair(const PortUse& earlier, const PortUse& later, Mistakes& mistakes
         "{} {} is already used by [{}.{}] in line {}", medium.place.key,
         in_quotes(later.port->device), earlier.direction, earlier.name, earlier.port->where.line);
     if (medium.users == Users::one) {
-        mistakes.add(later.port->where, fmt::format("{}; one {} serves one input or one output",
-                                                    already, medium.place.key));
+        const bool both_ways = earlier.direction != later.direction;
+        mistakes.add(later.port->where,
+                     fmt::format("{}; one {} serves one input or one output{}", already,
+                                 medium.place.key, both_ways ? medium.why_one_way : ""));
         return;
     }
     if (earlier.hears_replies || later.hears_replies) {

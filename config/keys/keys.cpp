@@ -178,7 +178,7 @@ std::vector<Key> protocol_keys(const Protocol& protocol, const Medium& medium, S
 }
 
 std::vector<Key> protocol_keys(const Protocol& protocol, SettingScope scope) {
-    const std::vector<const Medium*> media = media_for(protocol, scope);
+    const std::vector<const Medium*> media = media_for(protocol);
     std::vector<Key> keys;
     for (const Medium* medium : media) {
         keys.push_back(place_key(*medium));

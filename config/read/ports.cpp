@@ -42,8 +42,8 @@ const Protocol* meant_protocol(const Table& table, std::span<const Key> keys, Se
 }
 
 /// The medium whose place the table names, or the usual one of the protocol.
-const Medium* meant_medium(const Table& table, const Protocol& protocol, SettingScope way) {
-    const std::vector<const Medium*> media = media_for(protocol, way);
+const Medium* meant_medium(const Table& table, const Protocol& protocol) {
+    const std::vector<const Medium*> media = media_for(protocol);
     const auto named = std::ranges::find_if(
         media, [&table](const Medium* medium) { return table.find(medium->place.key) != nullptr; });
     return named == media.end() ? media.front() : *named;
@@ -64,7 +64,7 @@ PortKeys port_keys(const Table& table, std::span<const Key> common, SettingScope
     PortKeys port{
         meant_protocol(table, common, scope), nullptr, {common.begin(), common.end()}, {}};
     if (port.protocol != nullptr) {
-        port.medium = meant_medium(table, *port.protocol, scope);
+        port.medium = meant_medium(table, *port.protocol);
         const auto own = protocol_keys(*port.protocol, *port.medium, scope);
         port.keys.insert(port.keys.begin() + 1, own.front());
         port.keys.insert(port.keys.end(), own.begin() + 1, own.end());
@@ -165,16 +165,16 @@ bool check_by_protocol(const PortKeys& port, const SettingValues& settings, Sett
 
 /// No serial driver of Linux has a setting for inversion, so `inverted = true` is always a mistake.
 void check_inverted(const PortKeys& port, const TableContent& content, Mistakes& mistakes) {
-    const bool drawn = port.medium != nullptr && port.medium->draws_inverted;
+    const bool inverts = port.medium != nullptr && port.medium->inverts;
     if (content.values().get_or("inverted", false)) {
         mistakes.add(
             content.where("inverted"),
-            drawn
-                ? "\"inverted\" is true, but an SPI port draws the inverted signal by itself; "
-                  "leave it out"
+            inverts
+                ? "\"inverted\" is true, but an SPI port inverts the signal by itself; leave it "
+                  "out"
                 : "\"inverted\" is true, but Linux has no setting that inverts a serial port; let "
-                  "an SPI port draw the signal (spi = \"/dev/spidev0.0\" in place of device, for "
-                  "an output), or invert the wire: with a transistor or a 74HC04, with the "
+                  "an SPI port do it (spi = \"/dev/spidev0.0\" in place of device), or invert the "
+                  "wire: with a transistor or a 74HC04, with the "
                   "inversion bit in the EEPROM of an FTDI adapter, or with the device-tree flag "
                   "that some UARTs have; then leave inverted = false");
     }

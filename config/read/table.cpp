@@ -44,9 +44,9 @@ const Key* place_instead(std::string_view name, const TableRef& ref, std::span<c
 
 /// Lists the media that carry the protocol: `"device"`, `between`, the meaning of the key; then the
 /// others.
-std::string places_of(const Protocol& protocol, SettingScope way, std::string_view between) {
+std::string places_of(const Protocol& protocol, std::string_view between) {
     std::string places;
-    for (const Medium* medium : media_for(protocol, way)) {
+    for (const Medium* medium : media_for(protocol)) {
         places +=
             fmt::format("{}{}{}{}", places.empty() ? "" : "; or ", in_quotes(medium->place.key),
                         places.empty() ? between : ": ", medium->place.help);
@@ -57,9 +57,9 @@ std::string places_of(const Protocol& protocol, SettingScope way, std::string_vi
 void report_other_place(const TableRef& ref, const Entry& entry, const Key& place, bool taken,
                         Mistakes& mistakes) {
     const Protocol& protocol = *find_protocol(ref.protocol);
-    const bool would_do = std::ranges::any_of(
-        media_for(protocol, way_of(ref)),
-        [&entry](const Medium* medium) { return medium->place.key == entry.key; });
+    const bool would_do = std::ranges::any_of(media_for(protocol), [&entry](const Medium* medium) {
+        return medium->place.key == entry.key;
+    });
     if (taken && would_do) {
         mistakes.add(entry.where,
                      fmt::format("{} in {}, which has {} already; leave one of them out",
@@ -68,7 +68,7 @@ void report_other_place(const TableRef& ref, const Entry& entry, const Key& plac
     }
     mistakes.add(entry.where, fmt::format("unknown key {} in {}; protocol {} has {}",
                                           in_quotes(entry.key), ref.title, in_quotes(ref.protocol),
-                                          places_of(protocol, way_of(ref), " instead: ")));
+                                          places_of(protocol, " instead: ")));
 }
 
 void report_unknown(const TableRef& ref, const Entry& entry, std::span<const Key> keys,
@@ -188,9 +188,8 @@ void report_missing(const TableRef& ref, const Key& key, Reading reading) {
     }
     const Protocol* const protocol = find_protocol(ref.protocol);
     if (protocol != nullptr && is_place(key.name())) {
-        reading.mistakes.add(ref.where,
-                             fmt::format("{} lacks {}", ref.title,
-                                         places_of(*protocol, way_of(ref), "; required: ")));
+        reading.mistakes.add(
+            ref.where, fmt::format("{} lacks {}", ref.title, places_of(*protocol, "; required: ")));
         return;
     }
     const std::string meaning = key.kind == KeyKind::protocol

@@ -112,7 +112,7 @@ std::optional<DroneCanValueSource> read_dronecan_source(const TableContent& cont
 const Medium* byte_medium(const TableContent& content, const Protocol& protocol,
                           Mistakes& mistakes) {
     const Medium* medium = nullptr;
-    for (const Medium* candidate : media_for(protocol, SettingScope::input)) {
+    for (const Medium* candidate : media_for(protocol)) {
         const std::string_view key = candidate->place.key;
         if (!content.given(key)) {
             continue;

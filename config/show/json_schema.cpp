@@ -81,7 +81,7 @@ Json protocol_branch(const Protocol& protocol, SettingScope scope) {
             json["then"]["required"].push_back(key.name());
         }
     }
-    const auto media = media_for(protocol, scope);
+    const auto media = media_for(protocol);
     for (std::size_t i = 0; media.size() > 1 && i < media.size(); ++i) {
         json["then"]["oneOf"].push_back({{"required", Json::array({media[i]->place.key})}});
     }

@@ -66,7 +66,7 @@ std::vector<Key> copy(std::span<const Key> keys) {
 std::string quoted_list(const Medium& medium, SettingScope way) {
     std::vector<std::string> names;
     for (const Protocol* protocol : protocols()) {
-        if (carries(medium, *protocol, way) && protocol->goes(way)) {
+        if (carries(medium, *protocol) && protocol->goes(way)) {
             names.push_back(fmt::format("`{}`", protocol->name));
         }
     }
@@ -76,7 +76,7 @@ std::string quoted_list(const Medium& medium, SettingScope way) {
 /// Whether an input, or output, can have the medium.
 bool is_used(const Medium& medium, SettingScope way) {
     return std::ranges::any_of(protocols(), [&](const Protocol* protocol) {
-        return carries(medium, *protocol, way) && protocol->goes(way);
+        return carries(medium, *protocol) && protocol->goes(way);
     });
 }
 

@@ -87,6 +87,7 @@ ReadStatus Loop::read_bytes(std::size_t index, ByteLink& link, Instant now) {
     ReadStatus status = ReadStatus::received;
     reception_.full = true;
     reception_.goes_on = false;
+    reception_.at = kNever;
     for (int reads = 0;
          (reads < kMostReads && fruitless < kMostFruitlessReads && reception_.full) ||
          reception_.goes_on;
@@ -96,7 +97,7 @@ ReadStatus Loop::read_bytes(std::size_t index, ByteLink& link, Instant now) {
             break;
         }
         bytes += reception_.count;
-        const bool comes = hand_on_bytes(port.wiring, now);
+        const bool comes = hand_on_bytes(port.wiring, std::min(now, reception_.at));
         fruitless = comes ? 0 : fruitless + 1;
         frame_came = comes || frame_came;
         // At once, because a datagram link answers the sender of the latest datagram.
@@ -193,6 +194,7 @@ bool Loop::read_unreported(Port& port, Instant since, Instant now) {
     ByteLink& link = *port.link->as_bytes();
     bool came = false;
     reception_.goes_on = false;
+    reception_.at = kNever;
     for (int reads = 0; (reads < kMostFruitlessReads || reception_.goes_on) && link.has_unread();
          ++reads) {
         const ReadStatus status = link.read(reception_);
@@ -204,7 +206,7 @@ bool Loop::read_unreported(Port& port, Instant since, Instant now) {
         }
         came = true;
         // It may be as old as that, so it never passes for new.
-        hand_on_bytes(port.wiring, since);
+        hand_on_bytes(port.wiring, std::min(since, reception_.at));
     }
     return came;
 }
@@ -248,13 +250,14 @@ ReadStatus Loop::catch_up_on_bytes(const PortWiring& wiring, ByteLink& link, Ins
     bool discards = now - since >= stations_.useful_for(wiring.stations);
     reception_.full = false;
     reception_.goes_on = false;
+    reception_.at = kNever;
     for (int reads = 0; !discards && (reads < kMostReads || reception_.goes_on); ++reads) {
         status = link.read(reception_);
         if (status != ReadStatus::received) {
             break;
         }
         bytes += reception_.count;
-        hand_on_bytes(wiring, since);
+        hand_on_bytes(wiring, std::min(since, reception_.at));
         discards = bytes >= kLineBufferBytes;
     }
     if (discards) {

@@ -54,10 +54,11 @@ void Loop::take_over(Loop& before, Instant now) {
     read_until_ = now;
     absence_ = before.absence_;
     std::swap(changes_, before.changes_);
-    changes_before_ = changes_->newest();
     engine_.tell_changes_to(*changes_);
     before.accept_given_links();
     read_second_sockets(before, now);
+    // What the loop before told until now has its indices.
+    changes_before_ = changes_->newest();
     waits_.continue_from(before.waits_);
     take_ports(before, now);
     stations_.start(now);

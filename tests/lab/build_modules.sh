@@ -1,10 +1,11 @@
 #!/bin/sh
-# Builds four drivers that Debian's kernel lacks, from Debian's source of that kernel, into the
+# Builds five drivers that Debian's kernel lacks, from Debian's source of that kernel, into the
 # modules of a guest:
 #   gpio-sim   simulated GPIO banks, with irq_sim, which gpio-sim needs and Debian's kernel lacks too
 #   ctucanfd   the CTU CAN FD controller, the only one of the emulator for CAN FD
 #   pwm-pca9685   the PWM chip PCA9685, which Debian has for the processors of boards only
 #   spidev     SPI ports as devices, likewise
+#   spi-butterfly   the SPI port at a parallel port with a clock: as Debian has it, each rate is the same
 #
 #   tests/lab/build_modules.sh KERNEL_FOLDER
 #
@@ -22,7 +23,7 @@ rm -rf "$work"
 mkdir -p "$work/gpio" "$work/can" "$work/pwm" "$work/spi"
 cd "$work"
 common=linux-headers-${version%-amd64}-common
-echo "Laboratory: downloading headers and source of $version, and building gpio-sim, ctucanfd, pwm-pca9685, spidev" >&2
+echo "Laboratory: downloading headers and source of $version, and building gpio-sim, ctucanfd, pwm-pca9685, spidev, spi-butterfly" >&2
 apt-get -q download "linux-headers-$version" "$common" "linux-kbuild-$series" \
     "linux-source-$series" >apt.log 2>&1 || {
     cat apt.log >&2
@@ -38,18 +39,21 @@ dpkg-deb --fsys-tarfile linux-source-*.deb |
     tar -xO --wildcards './usr/src/linux-source-*.tar.xz' |
     tar -xJ --strip-components=1 --wildcards '*/drivers/gpio/gpio-sim.c' \
         '*/drivers/gpio/gpiolib.h' '*/kernel/irq/irq_sim.c' '*/drivers/net/can/ctucanfd/*' \
-        '*/drivers/pwm/pwm-pca9685.c' '*/drivers/spi/spidev.c'
+        '*/drivers/pwm/pwm-pca9685.c' '*/drivers/spi/spidev.c' '*/drivers/spi/spi-butterfly.c' \
+        '*/drivers/spi/spi-bitbang-txrx.h'
 mv drivers/gpio/gpio-sim.c gpio/sim.c
 mv drivers/gpio/gpiolib.h kernel/irq/irq_sim.c gpio/
 # The kernel does not export irq_to_desc. For a module this does the same.
 sed -i 's/irq_to_desc(irqnum)/irq_data_to_desc(irq_get_irq_data(irqnum))/' gpio/irq_sim.c
 mv drivers/net/can/ctucanfd/*.[ch] can/
 mv drivers/pwm/pwm-pca9685.c pwm/
-mv drivers/spi/spidev.c spi/
+mv drivers/spi/spidev.c drivers/spi/spi-butterfly.c drivers/spi/spi-bitbang-txrx.h spi/
+sed -i 's|^#define[[:space:]]*spidelay(X).*|#define spidelay ndelay|' spi/spi-butterfly.c
+grep -q '^#define spidelay ndelay' spi/spi-butterfly.c
 printf '%s\n' 'obj-m := gpio-sim.o' 'gpio-sim-y := sim.o irq_sim.o' >gpio/Kbuild
 printf '%s\n' 'obj-m := ctucanfd.o ctucanfd_pci.o' 'ctucanfd-y := ctucanfd_base.o' >can/Kbuild
 echo 'obj-m := pwm-pca9685.o' >pwm/Kbuild
-echo 'obj-m := spidev.o' >spi/Kbuild
+echo 'obj-m := spidev.o spi-butterfly.o' >spi/Kbuild
 
 modules="$kernel/lib/modules/$version/updates"
 mkdir -p "$modules"

@@ -3,7 +3,6 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <span>
 #include <string>
@@ -18,6 +17,7 @@
 #include "tests/lab/ppm_player.h"
 #include "tests/lab/recorded_receiver.h"
 #include "tests/lab/shell.h"
+#include "tests/lab/spi_butterfly.h"
 #include "tests/loopback/few_descriptors.h"
 #include "tests/loopback/loopback.h"
 
@@ -211,31 +211,14 @@ TEST_F(LabPpmProgram, DoctorSaysWhetherALineIsFree) {
     expect_clean_end(program);
 }
 
-/// The bits that an SPI port sent, from the trace of the parallel port: bit 0 of its data register
-/// is the clock, bit 7 the data (drivers/spi/spi-butterfly.c).
-class SpiTrace {
+/// Where pulses begin among the bits that an SPI port sent.
+class SentPulses {
   public:
-    /// The frames that came whole since the last call: where each pulse begins, by the bits since
-    /// the first pulse of its frame.
-    std::vector<std::vector<std::size_t>> frames() {
+    /// The frames that became whole with these bits: where each pulse begins, by the bits since the
+    /// first pulse of its frame.
+    std::vector<std::vector<std::size_t>> frames(const std::vector<bool>& bits) {
         std::vector<std::vector<std::size_t>> whole;
-        auto end = file_.tellg();
-        for (std::string line; std::getline(file_, line) && !file_.eof(); end = file_.tellg()) {
-            if (line.find("parallel_ioport_write write [SW] addr 0x00 ") != std::string::npos) {
-                take(std::stoul(line.substr(line.rfind(' ') + 1), nullptr, 16), whole);
-            }
-        }
-        // The last line may not be whole yet.
-        file_.clear();
-        file_.seekg(end);
-        return whole;
-    }
-
-  private:
-    void take(unsigned long data, std::vector<std::vector<std::size_t>>& whole) {
-        const bool clock = (data & 1) != 0;
-        const bool up = (data & 0x80) != 0;
-        if (clock && !clock_) {
+        for (const bool up : bits) {
             ++bits_;
             if (up && !up_) {
                 frame_.push_back(bits_);
@@ -250,13 +233,11 @@ class SpiTrace {
                 whole.push_back(std::exchange(frame_, {}));
             }
         }
-        clock_ = clock;
+        return whole;
     }
 
-    // The path in run_guest.
-    std::ifstream file_{"/lab/trace"};
+  private:
     std::size_t bits_ = 0;
-    bool clock_ = false;
     bool up_ = false;
     std::vector<std::size_t> frame_;
 };
@@ -271,22 +252,11 @@ Channels distances(const std::vector<std::size_t>& pulses) {
 
 class LabPpmSpi : public LabPpmProgram {
   protected:
-    LabPpmSpi() {
-        shell("modprobe parport_pc io=0x378; modprobe spidev; modprobe spi-butterfly");
-        for (const auto& entry : std::filesystem::directory_iterator("/sys/bus/spi/devices")) {
-            write_kernel_file(entry.path() / "driver_override", "spidev");
-            std::ofstream("/sys/bus/spi/drivers/spidev/bind") << entry.path().filename().string();
-            port_ = "/dev/spidev" + entry.path().filename().string().substr(3);
-        }
-        EXPECT_TRUE(std::filesystem::exists(port_)) << port_;
-    }
-    ~LabPpmSpi() override { shell("rmmod spi-butterfly; rmmod spidev; rmmod parport_pc"); }
-
     std::string to_spi() const {
         return "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"@receiver\"\ntimeout = "
                "\"200ms\"\n"
                "[output.trainer]\nprotocol = \"ppm\"\nline = \"" +
-               port_ +
+               port() +
                "\"\nperiod = \"100ms\"\n[pipeline.out]\nfrom = \"receiver\"\nto = \"trainer\"\n"
                "[pipeline.out.failsafe]\nhold = \"0s\"\nrecover = \"0s\"\n";
     }
@@ -297,7 +267,7 @@ class LabPpmSpi : public LabPpmProgram {
         const Channels wanted(sticks.begin(), sticks.begin() + kChannels);
         return eventually([&] {
             repeater.send_if_due();
-            for (const auto& pulses : trace_.frames()) {
+            for (const auto& pulses : pulses_.frames(port_.sent_bits())) {
                 if (distances(pulses) == wanted) {
                     return true;
                 }
@@ -306,13 +276,13 @@ class LabPpmSpi : public LabPpmProgram {
         });
     }
     /// The trace has what was sent since the start of the guest.
-    void forget_what_was_sent() { trace_.frames(); }
-    bool nothing_was_sent() { return trace_.frames().empty(); }
-    const std::string& port() const { return port_; }
+    void forget_what_was_sent() { port_.sent_bits(); }
+    bool nothing_was_sent() { return port_.sent_bits().empty(); }
+    const std::string& port() const { return port_.device(); }
 
   private:
-    std::string port_;
-    SpiTrace trace_;
+    SpiButterfly port_;
+    SentPulses pulses_;
 };
 
 TEST_F(LabPpmSpi, EachFrameOnTheWireHasTheChannelsToTheMicrosecond) {
@@ -353,7 +323,7 @@ TEST_F(LabPpmSpi, DoctorTriesAPortAndSendsNothing) {
     forget_what_was_sent();
     Program& doctor = start({"doctor", port()});
     EXPECT_EQ(doctor.end(), 0) << doctor.output();
-    EXPECT_NE(doctor.output().find("line     = \"" + port() + "\"\n"), std::string::npos)
+    EXPECT_NE(doctor.output().find("spi      = \"" + port() + "\"\n"), std::string::npos)
         << doctor.output();
     EXPECT_TRUE(nothing_was_sent());
     const ShellResult other = run_shell(

@@ -96,12 +96,6 @@ TEST_F(Exposure, WithInputDevicesIsNoGreater) {
     rated(19);
 }
 
-TEST_F(Exposure, WithSpiPortsIsNoGreater) {
-    EXPECT_NE(source_text(kPage).find("(#spi-in-the-service) | 1.9 |"), std::string::npos);
-    with_drop_in("SPI in the service");
-    rated(19);
-}
-
 TEST_F(Exposure, WithPwmIsWhatThePageSays) {
     EXPECT_NE(source_text(kPage).find("(#pwm-in-the-service) | 2.1,"), std::string::npos);
     with_drop_in("PWM in the service");

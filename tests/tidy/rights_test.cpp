@@ -91,7 +91,8 @@ TEST(Rights, StandInTheTablesOfServiceAndSecurityForEachRule) {
         EXPECT_TRUE(has_row("docs/service.md", {"/dev/" + rule.devices, group})) << rule.text;
         EXPECT_TRUE(has_row("docs/security.md", {"| group " + group})) << rule.text;
     }
-    EXPECT_TRUE(has_row("docs/security.md", {"| group `gpio`", "GPIO", "PWM", "SPI"}));
+    EXPECT_TRUE(has_row("docs/security.md", {"| group `gpio`", "GPIO", "PWM"}));
+    EXPECT_TRUE(has_row("docs/security.md", {"| group `spi`", "SPI", "servos"}));
     EXPECT_TRUE(has_row("docs/security.md", {"| group `uinput`", "keyboard"}));
 }
 

@@ -23,6 +23,8 @@ struct Reception {
     bool full = false;  ///< the read was full: more bytes may be waiting
     /// The next read goes on with the same datagram. Always false on media without datagrams.
     bool goes_on = false;
+    /// When the last byte came, where the link knows it. `kNever`: now.
+    Instant at = kNever;
 
     std::span<const std::uint8_t> view() const { return {bytes.data(), count}; }
 };

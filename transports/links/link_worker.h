@@ -19,6 +19,8 @@ struct WorkerSettings {
     Instant (*now)() = nullptr;
     /// Whether it asks for real-time scheduling.
     bool realtime = true;
+    /// Tells the user a sentence. Thread-safe. Null: nobody is told.
+    void (*warn)(std::string text) = nullptr;
 
     bool operator==(const WorkerSettings&) const = default;
 };

@@ -76,9 +76,9 @@ struct Medium {
     WireShape shape = WireShape::bytes;
     /// Of these only the protocols that name it (Protocol::only_on).
     bool only_own_protocols = false;
-    /// It draws an inverted wire itself (LineSettings::inverted_wire), so only outputs with such a
-    /// wire can use it.
-    bool draws_inverted = false;
+    /// It inverts the wire itself: only SBUS, which has such a wire, needs it
+    /// (LineSettings::inverted_wire).
+    bool inverts = false;
     /// The key of an input or output that names the place: a device, an interface.
     Setting place;
     /// The default of that key in the manual: "required on CAN".
@@ -99,6 +99,9 @@ struct Medium {
     /// Whether the hardware itself repeats what it was given each period (LinkUse::period).
     bool has_period = false;
     Users users = Users::one;
+    /// Of a medium with one user: why an input and an output cannot share it, as the end of a
+    /// sentence, if that is not plain.
+    std::string_view why_one_way = {};
     SilenceAdvice silence = {};
     /// Whether nothing has that name now: it may be plugged in later. Never null.
     bool (*is_missing)(const std::string& place) = nullptr;

@@ -34,18 +34,19 @@ std::span<const Medium* const> media() {
     return kMedia;
 }
 
-bool carries(const Medium& medium, const Protocol& protocol, SettingScope way) {
-    const bool drawn = way != SettingScope::input && protocol.line.inverted_wire &&
-                       protocol.goes(SettingScope::output);
-    return medium.shape == protocol.shape && (!medium.draws_inverted || drawn) &&
+bool carries(const Medium& medium, const Protocol& protocol) {
+    // F.Port, which tribus only reads, has questions and answers on its wire too: too many pauses
+    // for a port that listens in blocks.
+    const bool inverted = protocol.line.inverted_wire && protocol.goes(SettingScope::both);
+    return medium.shape == protocol.shape && (!medium.inverts || inverted) &&
            (protocol.only_on.empty() ? !medium.only_own_protocols
                                      : protocol.only_on == medium.name);
 }
 
-std::vector<const Medium*> media_for(const Protocol& protocol, SettingScope way) {
+std::vector<const Medium*> media_for(const Protocol& protocol) {
     std::vector<const Medium*> found;
     std::ranges::copy_if(media(), std::back_inserter(found),
-                         [&](const Medium* medium) { return carries(*medium, protocol, way); });
+                         [&](const Medium* medium) { return carries(*medium, protocol); });
     return found;
 }
 

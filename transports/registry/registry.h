@@ -24,10 +24,9 @@ inline constexpr std::array<std::string_view, 2> kValueProtocols{"crsf-telemetry
 /// All media of the program, one line each in the source. Reentrant.
 std::span<const Medium* const> media();
 
-/// Whether inputs, outputs, or either of the protocol can use the medium. Reentrant.
-bool carries(const Medium& medium, const Protocol& protocol, SettingScope way = SettingScope::both);
+/// Whether inputs and outputs of the protocol can use the medium. Reentrant.
+bool carries(const Medium& medium, const Protocol& protocol);
 /// The media that carry the protocol, at least one; the usual one first. Reentrant.
-std::vector<const Medium*> media_for(const Protocol& protocol,
-                                     SettingScope way = SettingScope::both);
+std::vector<const Medium*> media_for(const Protocol& protocol);
 
 }  // namespace tribus

@@ -27,18 +27,6 @@ InputFacts with_access(const KernelFiles& files, EvdevDeviceFacts device) {
     return facts;
 }
 
-std::string names_of_users(const std::vector<PortUser>& users) {
-    constexpr std::size_t kMostNamed = 3;
-    std::string names;
-    for (std::size_t i = 0; i < std::min(users.size(), kMostNamed); ++i) {
-        names += fmt::format("{}{} (process {})", i == 0 ? "" : ", ", users[i].command,
-                             users[i].process);
-    }
-    return users.size() > kMostNamed
-               ? names + fmt::format(" and {} more", users.size() - kMostNamed)
-               : names;
-}
-
 Finding permission_finding(const InputFacts& facts, Severity severity) {
     const std::string& group = facts.access.group;
     const bool for_group = !group.empty() && group != "root";

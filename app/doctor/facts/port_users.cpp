@@ -79,6 +79,18 @@ NodeUsers users_of(const KernelFiles& files, const std::string& node,
     return found;
 }
 
+std::string names_of_users(const std::vector<PortUser>& users) {
+    constexpr std::size_t kMostNamed = 3;
+    std::string names;
+    for (std::size_t i = 0; i < std::min(users.size(), kMostNamed); ++i) {
+        names += fmt::format("{}{} (process {})", i == 0 ? "" : ", ", users[i].command,
+                             users[i].process);
+    }
+    return users.size() > kMostNamed
+               ? names + fmt::format(" and {} more", users.size() - kMostNamed)
+               : names;
+}
+
 void look_at_users(const KernelFiles& files, SerialFacts& facts) {
     NodeUsers found = users_of(files, facts.node, facts.name);
     facts.users = std::move(found.users);

@@ -18,6 +18,9 @@ struct NodeUsers {
 NodeUsers users_of(const KernelFiles& files, const std::string& node,
                    const std::string& login_name = {});
 
+/// "tribus (process 812)", some of them.
+std::string names_of_users(const std::vector<PortUser>& users);
+
 /// Fills in which processes have the port open, from /proc; those of other users are visible only
 /// to root. A login on the port is visible to everybody, through its arguments.
 void look_at_users(const KernelFiles& files, SerialFacts& facts);

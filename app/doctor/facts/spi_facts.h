@@ -7,15 +7,22 @@
 #include "app/doctor/facts/finding.h"
 #include "app/doctor/facts/kernel_files.h"
 #include "app/doctor/facts/node_access.h"
+#include "app/doctor/facts/serial_facts.h"
+#include "transports/links/spi/spi_loopback.h"
 
 namespace tribus::doctor {
 
-/// An SPI port, whose data line can make PPM.
+/// An SPI port, whose data lines can be those of SBUS, and that out can make PPM.
 struct SpiFacts {
     std::string device;
     NodeAccess access{};
     /// Why it could not be opened and set up, or an empty text; nothing if that was not tried.
     std::optional<std::string> refusal{};
+    std::string no_output{};  ///< why it cannot draw a line, if that is so
+    /// Who has it open. Then it is not opened.
+    std::vector<PortUser> users{};
+    /// What came back by a wire between its data lines; nothing if that was not tried.
+    std::optional<SpiLoopback> loopback{};
 };
 
 /// All SPI ports. Opens nothing.
@@ -26,6 +33,9 @@ SpiFacts look_at_spi_port(const KernelFiles& files, const std::string& device);
 
 /// Whether the name of a device is one of an SPI port, there or not.
 bool names_spi_port(const std::string& device);
+
+/// What came back by that wire, in words.
+std::string describe(const SpiLoopback& loopback);
 
 /// Says why a configuration cannot use it. A hindrance is a problem if the user `asked_for` this
 /// port, else a note. Pure.

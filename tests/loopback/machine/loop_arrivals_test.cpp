@@ -47,8 +47,10 @@ enum class Reports : std::uint8_t { each_arrival, nothing };
 /// it shows epoll another descriptor, of which the kernel reports nothing.
 class PipeLink : public ByteLink {
   public:
-    PipeLink(UniqueFd pipe, Reports reports)
+    /// `known_age`: how old the link says that its bytes are when they are read.
+    PipeLink(UniqueFd pipe, Reports reports, Duration known_age = {})
         : pipe_(std::move(pipe)),
+          known_age_(known_age),
           other_(reports == Reports::nothing ? ::eventfd(0, EFD_NONBLOCK) : -1) {}
 
     int descriptor() const override { return other_.valid() ? other_.get() : pipe_.get(); }
@@ -57,6 +59,9 @@ class PipeLink : public ByteLink {
         const ssize_t taken = ::read(pipe_.get(), reception.bytes.data(), reception.bytes.size());
         reception.count = taken > 0 ? static_cast<std::size_t>(taken) : 0;
         reception.full = reception.count == reception.bytes.size();
+        if (known_age_ > Duration::zero()) {
+            reception.at = monotonic_now() - known_age_;
+        }
         return taken > 0 ? ReadStatus::received
                          : (taken == 0 ? ReadStatus::lost : ReadStatus::nothing);
     }
@@ -65,6 +70,7 @@ class PipeLink : public ByteLink {
 
   private:
     UniqueFd pipe_;
+    Duration known_age_;
     UniqueFd other_;
 };
 
@@ -83,7 +89,7 @@ class SlowLink : public PipeLink {
 class LoopArrivals : public testing::Test {
   protected:
     explicit LoopArrivals(Reports reports = Reports::each_arrival,
-                          std::unique_ptr<Link> servos = nullptr) {
+                          std::unique_ptr<Link> servos = nullptr, Duration known_age = {}) {
         const auto configuration = load_configuration(
             "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"/dev/pipe\"\n"
             "[output.servos]\nprotocol = \"sbus\"\ndevice = \"/dev/none\"\n"
@@ -96,8 +102,9 @@ class LoopArrivals : public testing::Test {
         std::vector<std::unique_ptr<Link>> links;
         for (PortPlan& plan : plan_ports(*configuration)) {
             const bool reads = plan.config.device == "/dev/pipe";
-            links.push_back(reads ? std::make_unique<PipeLink>(std::move(pipe_.out), reports)
-                                  : std::move(servos));
+            links.push_back(
+                reads ? std::make_unique<PipeLink>(std::move(pipe_.out), reports, known_age)
+                      : std::move(servos));
             plan.wiring.byte_time = {};
             wiring.push_back(std::move(plan.wiring));
         }
@@ -161,6 +168,21 @@ TEST_F(LoopArrivals, WithTheHangUpBehindThemLoseTheLink) {
     start();
     EXPECT_TRUE(seen_within([this] { return loop_->take_lost(0) != nullptr; }));
     EXPECT_EQ(loop_->input_status(0).counts.frames, 1U);
+}
+
+class ArrivalsOfKnownAge : public LoopArrivals {
+  protected:
+    ArrivalsOfKnownAge() : LoopArrivals(Reports::each_arrival, nullptr, 5ms) {}
+};
+
+TEST_F(ArrivalsOfKnownAge, HaveTheTimeThatTheirLinkKnows) {
+    const Instant begin = monotonic_now();
+    pipe_.write(from_hex(kIa6bFrame));
+    start();
+    ASSERT_TRUE(seen_within([this] { return loop_->input_status(0).counts.frames == 1; }));
+    const Instant received = loop_->input_status(0).latest.received;
+    EXPECT_GE(received, begin - 5ms);
+    EXPECT_LE(received, monotonic_now() - 5ms);
 }
 
 class UnreportedArrivals : public LoopArrivals {

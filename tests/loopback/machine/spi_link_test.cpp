@@ -165,11 +165,11 @@ TEST(SpiLink, AsksForADataLineThatRestsLow) {
 /// An output may be using it.
 TEST(SpiLink, IsLookedAtWithoutSendingAnything) {
     SpiPort port;
-    EXPECT_EQ(why_no_spi_port(kDevice), "");
+    EXPECT_EQ(why_no_spi_port(kDevice, SpiUse::draws), "");
     EXPECT_EQ(port.writes, 0);
     EXPECT_EQ(port.speed, 0U);
     port.opening = -EACCES;
-    EXPECT_TRUE(why_no_spi_port(kDevice).starts_with("this user may not use it"));
+    EXPECT_TRUE(why_no_spi_port(kDevice, SpiUse::draws).starts_with("this user may not use it"));
 }
 
 TEST(SpiLink, RefusesAPortThatNeedsNoTime) {
@@ -312,6 +312,75 @@ TEST(SpiLink, WithdrawsAFrameThatWaits) {
     link->write_asked(ppm_frame({1400}), long_lived());
     ASSERT_TRUE(seen_within([&] { return port.all_sent().size() == 2; }));
     EXPECT_EQ(port.all_sent()[1], bits(513, {{0, 300}, {1400, 1700}}));
+}
+
+std::vector<std::string>& warnings() {
+    static std::vector<std::string> all;
+    return all;
+}
+void warn(std::string text) {
+    warnings().push_back(std::move(text));
+}
+
+class SpiLinkAtAClockThatChanges : public testing::Test {
+  protected:
+    SpiLinkAtAClockThatChanges() {
+        warnings().clear();
+        auto opened = SpiLink::open(kDevice, pulse_signal(1), {.now = SpiPort::now, .warn = warn});
+        EXPECT_TRUE(opened.has_value());
+        link_ = std::move(*opened);
+        send(100);
+    }
+    /// Sends so many frames, one after the other.
+    void send(int frames) {
+        for (int i = 0; i < frames; ++i) {
+            const std::size_t before = port_.all_sent().size();
+            link_->write_asked(frame(), long_lived());
+            ASSERT_TRUE(seen_within([&] { return port_.all_sent().size() > before; }));
+        }
+    }
+    /// Whether a byte takes 8 us now. The machine's own time adds to that of the port.
+    void expect_right_rate() const { EXPECT_NEAR(port_.speed / (1e6 * port_.slowness), 1, 0.01); }
+
+    SpiPort port_;
+    std::unique_ptr<SpiLink> link_;
+};
+
+TEST_F(SpiLinkAtAClockThatChanges, MeasuresItAnewAndSaysThatOnce) {
+    expect_right_rate();
+    port_.slowness = 1.05;
+    send(120);
+    expect_right_rate();
+    port_.slowness = 0.5;
+    send(120);
+    expect_right_rate();
+    link_.reset();
+    ASSERT_EQ(warnings().size(), 1U);
+    EXPECT_TRUE(warnings()[0].starts_with(std::string(kDevice) + ": its clock has changed by -"))
+        << warnings()[0];
+    EXPECT_NE(warnings()[0].find(" %: bits were wrong"), std::string::npos);
+    EXPECT_NE(warnings()[0].find("core_freq_min=500"), std::string::npos);
+}
+
+TEST_F(SpiLinkAtAClockThatChanges, SendsNothingWhileNoRateFitsAndGoesOnWhenOneDoes) {
+    port_.slowness = 0;
+    EXPECT_TRUE(seen_within(
+        [&] { return link_->write_asked(frame(), long_lived()) == WriteStatus::unavailable; }));
+    const std::size_t sent = port_.all_sent().size();
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_EQ(link_->write_asked(frame(), long_lived()), WriteStatus::unavailable);
+        std::this_thread::sleep_for(20ms);
+    }
+    EXPECT_EQ(port_.all_sent().size(), sent);
+    port_.slowness = 1;
+    SpiPort::waited_ns += 2'000'000'000;
+    EXPECT_TRUE(seen_within(
+        [&] { return link_->write_asked(frame(), long_lived()) == WriteStatus::written; }));
+    expect_right_rate();
+    link_.reset();
+    ASSERT_EQ(warnings().size(), 1U);
+    EXPECT_NE(warnings()[0].find("its clock has changed, and a byte at"), std::string::npos)
+        << warnings()[0];
 }
 
 /// Each bit of the line is a byte of the port (docs/protocols/sbus.md, "Line").

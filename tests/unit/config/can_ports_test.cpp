@@ -164,7 +164,7 @@ TEST(CanPorts, ASerialLineHasNoInterface) {
         (Lines{R"(t.toml:9:1: unknown key "interface" in [output.servos]; protocol "sbus" has )"
                R"("device" instead: Serial device, such as "/dev/ttyAMA5" or a stable name under )"
                R"(/dev/serial/by-id)" +
-               other_places(SettingScope::output)}));
+               other_places("sbus")}));
 }
 
 TEST(CanPorts, ADeviceBesidesTheInterfaceIsOneMistakeAndTheInterfaceIsStillJudged) {

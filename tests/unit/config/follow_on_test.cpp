@@ -71,6 +71,22 @@ to = ["servos", "trainer"])"),
               "6; one spi serves one input or one output"});
 }
 
+TEST(FollowOn, AnSpiPortDoesNotServeAnInputAndAnOutput) {
+    EXPECT_EQ(
+        mistakes_in(R"([input.receiver]
+protocol = "sbus"
+spi = "/dev/spidev0.0"
+[output.servos]
+protocol = "sbus"
+spi = "/dev/spidev0.0"
+[pipeline.main]
+from = "receiver"
+to = "servos")"),
+        Lines{"t.toml:6:7: spi \"/dev/spidev0.0\" is already used by [input.receiver] in line 3; "
+              "one spi serves one input or one output: a transfer that draws a frame cannot wait "
+              "for one that listens"});
+}
+
 TEST(FollowOn, AMisspeltInputDoesNotMakeTheOneThatWasMeantUnused) {
     EXPECT_EQ(places(main_job_with(8, "from = \"reciever\"")), Lines{"8:8"});
 }

@@ -61,10 +61,10 @@ inline std::vector<std::string> mistakes_in(std::string_view text,
     return lines;
 }
 
-/// `; or "KEY": HELP` for each medium that carries the protocol of most tests, but the usual one.
-inline std::string other_places(SettingScope way = SettingScope::input) {
+/// `; or "KEY": HELP` for each medium that carries that protocol, but the usual one.
+inline std::string other_places(std::string_view protocol = "ibus") {
     std::string places;
-    for (const Medium* medium : media_for(*find_protocol("sbus"), way)) {
+    for (const Medium* medium : media_for(*find_protocol(protocol))) {
         const std::string key(medium->place.key);
         places += key == "device" ? "" : "; or \"" + key + "\": " + std::string(medium->place.help);
     }
@@ -83,7 +83,7 @@ inline std::string protocols_in_quotes(SettingScope way) {
 }
 
 /// INPUTS and OUTPUTS stand for the protocols of that way, OTHER_PLACES for the keys of further
-/// media that carry bytes.
+/// media that carry i.Bus.
 inline std::string written_out(std::string text) {
     text = std::regex_replace(text, std::regex("OTHER_PLACES"), other_places());
     text = std::regex_replace(text, std::regex("INPUTS"), protocols_in_quotes(SettingScope::input));

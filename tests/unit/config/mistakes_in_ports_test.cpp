@@ -102,15 +102,15 @@ slots = "plian")",
      R"(device = "/dev/ttyB"
 inverted = true)",
      R"(t.toml:7:12: "inverted" is true, but Linux has no setting that inverts a serial )"
-     R"(port; let an SPI port draw the signal (spi = "/dev/spidev0.0" in place of )"
-     R"(device, for an output), or invert the wire: with a transistor or a 74HC04, )"
-     R"(with the inversion bit in the EEPROM of an FTDI adapter, or with the )"
-     R"(device-tree flag that some UARTs have; then leave inverted = false)"},
+     R"(port; let an SPI port do it (spi = "/dev/spidev0.0" in place of device), or )"
+     R"(invert the wire: with a transistor or a 74HC04, with the inversion bit in the )"
+     R"(EEPROM of an FTDI adapter, or with the device-tree flag that some UARTs have; )"
+     R"(then leave inverted = false)"},
     {"inverted_at_an_spi_port", 6,
      R"(spi = "/dev/spidev0.0"
 inverted = true)",
-     R"(t.toml:7:12: "inverted" is true, but an SPI port draws the inverted signal by )"
-     R"(itself; leave it out)"},
+     R"(t.toml:7:12: "inverted" is true, but an SPI port inverts the signal by itself; )"
+     R"(leave it out)"},
     {"spi_port_of_an_input", 3, R"(spi = "/dev/spidev0.0")",
      R"(t.toml:3:1: unknown key "spi" in [input.receiver]; protocol "ibus" has "device" )"
      R"(instead: Serial device, such as "/dev/ttyAMA5" or a stable name under )"

@@ -48,6 +48,11 @@ std::optional<double> byte_ns_at(std::uint32_t hz, const SpiTransfer& transfer) 
 
 }  // namespace
 
+std::optional<Duration> measure_spi_byte(std::uint32_t hz, const SpiTransfer& transfer) {
+    const auto ns = byte_ns_at(hz, transfer);
+    return ns ? std::optional(Duration(std::llround(*ns))) : std::nullopt;
+}
+
 tl::expected<std::uint32_t, std::string> find_spi_rate(Duration wanted,
                                                        const SpiTransfer& transfer) {
     constexpr double kNsPerSecond = 1e9;

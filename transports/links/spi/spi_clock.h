@@ -18,6 +18,9 @@ namespace tribus {
 /// Sends so many zeros at that rate. Returns how long it took, or nothing if the port refuses.
 using SpiTransfer = std::function<std::optional<Duration>(std::uint32_t hz, std::size_t bytes)>;
 
+/// How long a byte takes at that rate. Nothing if the port refuses.
+std::optional<Duration> measure_spi_byte(std::uint32_t hz, const SpiTransfer& transfer);
+
 /// How far the time of a byte may be from the one that is wanted.
 inline constexpr double kSpiTolerance = 0.005;
 

@@ -6,10 +6,12 @@
 #include <cerrno>
 #include <utility>
 
+#include "transports/links/spi/spi_port.h"
+
 namespace tribus {
 
-SpiLink::SpiLink(UniqueFd port, SpiSignal signal)
-    : port_(std::move(port)), signal_(std::move(signal)) {}
+SpiLink::SpiLink(SpiPace pace, SpiSignal signal)
+    : pace_(std::move(pace)), signal_(std::move(signal)) {}
 
 ReadStatus SpiLink::read(Reception& reception) {
     reception.count = 0;
@@ -54,15 +56,22 @@ WriteStatus SpiLink::send_newest() {
     if (!take_frame(valid_until)) {
         return outcome_;
     }
-    if (worker_.is_over(valid_until)) {
+    if (!pace_.is_right()) {
+        return outcome_ = WriteStatus::unavailable;
+    }
+    const Instant begin = pace_.now();
+    if (begin > valid_until) {
         return WriteStatus::busy;
     }
-    const ssize_t sent = ::write(port_.get(), waveform_.bits.data(), waveform_.bytes);
+    const ssize_t sent = ::write(pace_.file(), waveform_.bits.data(), waveform_.bytes);
     const int error = errno;
-    const bool gone = sent == -1 && (error == ENODEV || error == ENXIO || error == ESHUTDOWN);
+    const bool gone = sent == -1 && is_spi_port_gone(error);
     outcome_ = sent == static_cast<ssize_t>(waveform_.bytes) ? WriteStatus::written
                : gone                                        ? WriteStatus::lost
                                                              : WriteStatus::unavailable;
+    if (outcome_ == WriteStatus::written) {
+        pace_.transferred(waveform_.bytes, pace_.now() - begin);
+    }
     return outcome_;
 }
 

@@ -13,8 +13,8 @@
 
 #include "transports/links/link.h"
 #include "transports/links/link_worker.h"
+#include "transports/links/spi/spi_pace.h"
 #include "transports/links/spi/waveform.h"
-#include "transports/links/unique_fd.h"
 
 namespace tribus {
 
@@ -32,8 +32,7 @@ struct SpiSignal {
 /// newest only. `write` neither waits nor uses the heap. Thread-bound.
 class SpiLink final : public ByteLink {
   public:
-    /// Sends zeros to measure the port, for up to a second: the line stays down. The error begins
-    /// with the device and says what to do.
+    /// As `open_spi_port`: the line stays down.
     static tl::expected<std::unique_ptr<SpiLink>, std::string> open(const std::string& device,
                                                                     SpiSignal signal,
                                                                     const WorkerSettings& worker);
@@ -55,14 +54,14 @@ class SpiLink final : public ByteLink {
     int descriptor() const override { return -1; }
 
   private:
-    SpiLink(UniqueFd port, SpiSignal signal);
+    SpiLink(SpiPace pace, SpiSignal signal);
     bool keep_frame(std::span<const std::uint8_t> frame, FrameLife life);
     bool take_frame(Instant& valid_until);
     WriteStatus send_newest();
 
     static constexpr std::size_t kMostFrameBytes = 96;
 
-    UniqueFd port_;
+    SpiPace pace_;  ///< of the thread
     SpiSignal signal_;
     std::mutex mutex_;  ///< the data thread only tries it
     std::array<std::uint8_t, kMostFrameBytes> waiting_{};
@@ -72,8 +71,5 @@ class SpiLink final : public ByteLink {
     SpiWaveform waveform_;                        ///< of the thread
     LinkWorker worker_;
 };
-
-/// Why the port can draw nothing, as far as that is seen without sending; empty if it can.
-std::string why_no_spi_port(const std::string& device);
 
 }  // namespace tribus

@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "transports/links/spi/spi_link.h"
+#include "transports/links/spi/spi_listener.h"
 #include "transports/links/spi/uart_waveform.h"
 
 namespace tribus {
@@ -26,6 +27,9 @@ bool is_port_missing(const std::string& place) {
 
 tl::expected<std::unique_ptr<Link>, std::string> open_port(const std::string& place,
                                                            const LinkUse& use) {
+    if (use.way == SettingScope::input) {
+        return as_link(SpiListener::open(place, use.line, use.worker));
+    }
     return as_link(SpiLink::open(
         place,
         {.byte_time = use.line.bits_time(1),
@@ -40,16 +44,24 @@ tl::expected<std::unique_ptr<Link>, std::string> open_port(const std::string& pl
 constinit const Medium kSpiSerialMedium{
     .name = "an SPI port",
     .shape = WireShape::bytes,
-    .draws_inverted = true,
+    .inverts = true,
     .place = {.key = "spi",
               .required = true,
-              .help = "The SPI port whose data line (MOSI) draws the inverted signal, without an "
-                      "inverter, such as `/dev/spidev0.0`",
+              .help = "An SPI port in place of a serial port with an inverter, such as "
+                      "`/dev/spidev0.0`: of an output, its data line out (MOSI) is the signal; of "
+                      "an input, its data line in (MISO)",
               .example = "\"/dev/spidev0.0\""},
     .place_absent = "required on an SPI port",
     .check = check_spi_port,
     .has_line = true,
     .users = Users::one,
+    .why_one_way = ": a transfer that draws a frame cannot wait for one that listens",
+    .silence = {.nothing = "no byte yet; check wire (the receiver's signal at MISO), ground and "
+                           "power of the receiver",
+                .no_frame = "but no frame yet; check protocol and rate, and that no inverter is in "
+                            "the wire: an SPI port needs none",
+                .counts = "byte",
+                .doctor = "looks at the port"},
     .is_missing = is_port_missing,
     .open = open_port,
 };

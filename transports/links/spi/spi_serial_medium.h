@@ -4,7 +4,7 @@
 
 namespace tribus {
 
-/// The data line of an SPI port as an inverted serial line, without an inverter
+/// The data lines of an SPI port as inverted serial lines, without an inverter
 /// (docs/boards/spi.md).
 extern const Medium kSpiSerialMedium;
 

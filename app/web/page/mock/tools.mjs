@@ -29,6 +29,9 @@ export function doctorReport(device) {
         ],
         can: [{ name: 'can0', kind: 'mcp251x', up: true, bit_rate: 500_000, data_bit_rate: null,
             fd: false, queue_length: 10, restart_ms: 100, transmit_errors: 0, receive_errors: 0 }],
+        spi: [{ device: '/dev/spidev0.0', exists: true, may_open: true, group: 'spi', refusal: null,
+            loopback: null, configuration: ['[output.servos]', 'protocol = "sbus"',
+                'spi      = "/dev/spidev0.0"'] }],
         findings: FINDINGS,
     };
 }

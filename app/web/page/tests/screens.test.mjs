@@ -68,6 +68,7 @@ test('doctor: findings with their cure; it listens on a free port', { timeout },
         await page.getByText('In use by tribus@boat.').waitFor();
         await button(page, 'Listen 3 s on /dev/ttyAMA4').click();
         await page.getByText('Heard i.Bus: 390 frames, 14 channels.').waitFor();
+        await page.getByText('spi      = "/dev/spidev0.0"').waitFor();
     });
 });
 

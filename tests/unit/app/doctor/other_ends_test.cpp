@@ -301,7 +301,7 @@ TEST(GpioEnds, ThatNobodyAskedForAreNotesAtMost) {
     EXPECT_EQ(findings[0].where, "/dev/gpiochip1");
 }
 
-TEST_F(OtherEnds, AreSpiPortsWithTheLinesOfAnOutputForPpm) {
+TEST_F(OtherEnds, AreSpiPortsWithTheLinesOfAnOutputForSbus) {
     tree_.write("dev/spidev0.1", "");
     tree_.write("dev/spidev0.0", "");
     tree_.write("dev/spi0", "");
@@ -313,17 +313,18 @@ TEST_F(OtherEnds, AreSpiPortsWithTheLinesOfAnOutputForPpm) {
     report.spi[0].refusal = "";
     EXPECT_TRUE(judge_spi_port(report.spi[0], true).empty());
     EXPECT_EQ(report_text(report, 80, false),
-              "/dev/spidev0.1: SPI port; its data line (MOSI) can make PPM\n"
+              "/dev/spidev0.1: SPI port; its data lines can be those of SBUS without an\n"
+              "inverter (out by MOSI, or in by MISO), and MOSI can make PPM\n"
               "  For the configuration:\n"
-              "    [output.trainer]\n"
-              "    protocol = \"ppm\"\n"
-              "    line     = \"/dev/spidev0.1\"\n");
+              "    [output.servos]\n"
+              "    protocol = \"sbus\"\n"
+              "    spi      = \"/dev/spidev0.1\"\n");
     const auto json = nlohmann::json::parse(report_json(report));
     EXPECT_EQ(json["spi"][0]["device"], "/dev/spidev0.1");
     EXPECT_EQ(json["spi"][0]["refusal"], "");
 }
 
-TEST_F(OtherEnds, SayWhatToDoForPpmThatCannotBeUsed) {
+TEST_F(OtherEnds, SayWhatToDoForAnSpiPortThatCannotBeUsed) {
     SpiFacts facts = look_at_spi_port(files(), "/dev/spidev3.0");
     EXPECT_EQ(ids(judge_spi_port(facts, true)), (Ids{"spi.missing"}));
     facts.access = {.exists = true, .may_open = false, .group = "spi"};
@@ -332,11 +333,58 @@ TEST_F(OtherEnds, SayWhatToDoForPpmThatCannotBeUsed) {
     EXPECT_EQ(findings[0].commands, (std::vector<std::string>{"sudo usermod -aG spi $USER"}));
     EXPECT_EQ(judge_spi_port(facts, false).front().severity, Severity::note);
     facts.access = {.exists = true, .may_open = true};
+    facts.refusal = "";
+    facts.no_output = "the data line of its controller rests high";
+    EXPECT_EQ(ids(judge_spi_port(facts, true)), (Ids{"spi.cannot_draw"}));
+    EXPECT_EQ(configuration_lines(facts).front(), "[input.receiver]");
+    facts.users = {{.process = 812, .command = "tribus", .unit = {}, .is_login = false}};
+    EXPECT_EQ(ids(judge_spi_port(facts, true)), (Ids{"spi.in_use"}));
+    EXPECT_TRUE(configuration_lines(facts).empty());
+    facts.users.clear();
     facts.refusal = "this is no SPI port";
     EXPECT_EQ(ids(judge_spi_port(facts, true)), (Ids{"spi.cannot_open"}));
     EXPECT_TRUE(configuration_lines(facts).empty());
     EXPECT_TRUE(names_spi_port("spidev0.0") && names_spi_port("/dev/spidev1.2"));
     EXPECT_FALSE(names_spi_port("/dev/ttyS0"));
+}
+
+TEST(SpiLoopbackFindings, AreNoneIfEachFrameCameBack) {
+    const SpiLoopback good{.hz = 900'000,
+                           .byte_before = std::chrono::nanoseconds(10'010),
+                           .byte_after = std::chrono::nanoseconds(10'020),
+                           .sent = 1000,
+                           .right = 1000};
+    EXPECT_TRUE(judge_spi_port({.device = "/dev/spidev0.0",
+                                .access = {.exists = true, .may_open = true},
+                                .refusal = "",
+                                .loopback = good},
+                               true)
+                    .empty());
+    EXPECT_EQ(describe(good),
+              "loopback: 1000 of 1000 frames came back; at 900000 Hz a byte takes 10.010 us, 9.01 "
+              "clocks; afterwards +0.1 %");
+}
+
+TEST(SpiLoopbackFindings, NameWhatIsWrong) {
+    const auto found = [](SpiLoopback loopback) {
+        loopback.sent = 1000;
+        const SpiFacts facts{.device = "/dev/spidev0.0",
+                             .access = {.exists = true, .may_open = true},
+                             .refusal = "",
+                             .loopback = loopback};
+        return ids(judge_spi_port(facts, true));
+    };
+    using std::chrono::nanoseconds;
+    EXPECT_EQ(found({.silent = 1000}), (Ids{"spi.no_wire"}));
+    EXPECT_EQ(found({.right = 999, .silent = 0}), (Ids{"spi.frames_lost"}));
+    EXPECT_EQ(
+        found(
+            {.byte_before = nanoseconds(10'000), .byte_after = nanoseconds(9'849), .right = 1000}),
+        (Ids{"spi.drift"}));
+    EXPECT_EQ(
+        found(
+            {.byte_before = nanoseconds(10'000), .byte_after = nanoseconds(10'150), .right = 1000}),
+        (Ids{}));
 }
 
 }  // namespace

@@ -86,10 +86,11 @@ TEST(InitPlace, AcceptsEveryProtocolWithoutRequiredKeysAndRefusesTheOthersWithAR
 }
 
 TEST(InitPlace, WithTheProtocolOfAGamepadNamesTheCommandThatPrintsItsLines) {
-    EXPECT_TRUE(has(parse_error("/dev/input/event5=gamepad", SettingScope::input),
-                    "gamepad runs on an input device only, and `init` writes lines for serial "
-                    "devices and CAN interfaces; `tribus learn DEVICE` prints the lines of a "
-                    "gamepad; allowed here: "));
+    EXPECT_TRUE(
+        has(parse_error("/dev/input/event5=gamepad", SettingScope::input),
+            "gamepad runs on an input device only, and `init` writes lines for serial "
+            "devices, SPI ports and CAN interfaces; `tribus learn DEVICE` prints the lines of a "
+            "gamepad; allowed here: "));
     EXPECT_TRUE(has(parse_error("x=joystick", SettingScope::output),
                     "tribus.toml(5) describes its keys; allowed here: "));
 }
@@ -216,6 +217,15 @@ TEST(InitPort, ThatDoesNotExistIsAcceptedOnlyWithAProtocolOfCan) {
         has(refusal_of(decide_input(examined, &kIbusProtocol)), "a serial device is a path"));
     EXPECT_TRUE(decide_input(examined, &kCanProtocol).attachment);
     EXPECT_TRUE(decide_output(examined, &kCanProtocol, "").attachment);
+}
+
+TEST(InitPort, HasSbusIfItIsAnSpiPort) {
+    const Decision usual = decide_input(spi_port(), nullptr);
+    ASSERT_TRUE(usual.attachment) << usual.attachment.error();
+    EXPECT_EQ(usual.attachment->protocol, &kSbusProtocol);
+    EXPECT_TRUE(decide_output(spi_port(), nullptr, "").attachment);
+    EXPECT_TRUE(has(refusal_of(decide_input(spi_port(), &kIbusProtocol)),
+                    "ibus does not run on an SPI port; sbus does"));
 }
 
 TEST(InitPort, MustHaveTheKindOfLinkOfItsProtocol) {

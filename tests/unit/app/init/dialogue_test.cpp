@@ -193,6 +193,35 @@ TEST_F(InitDialogue, TheProtocolOfAnInterfaceIsAskedFor) {
     EXPECT_EQ(ports.listened, 0U);
 }
 
+TEST_F(InitDialogue, AnSpiPortIsOfferedForSbusWithoutAnInverter) {
+    ports.ports = {free_port("0"), spi_port()};
+    const auto output = answers("2\n\n").ask_output({taken("0")});
+    ASSERT_TRUE(output) << all_said();
+    EXPECT_EQ(output->protocol, &kSbusProtocol);
+    EXPECT_EQ(output->medium, &kSpiSerialMedium);
+    EXPECT_TRUE(said("/dev/spidev0.0: SPI port: SBUS without an inverter")) << all_said();
+}
+
+TEST_F(InitDialogue, AnSpiPortCarriesOneInputOrOneOutput) {
+    ports.ports = {spi_port(), free_port("0")};
+    Attachment input{.protocol = &kSbusProtocol,
+                     .medium = &kSpiSerialMedium,
+                     .name = "/dev/spidev0.0",
+                     .node = "/dev/spidev0.0"};
+    const auto output = answers("1\n\n2\n\n").ask_output({input});
+    ASSERT_TRUE(output) << all_said();
+    EXPECT_EQ(output->node, "/dev/ttyUSB0");
+    EXPECT_TRUE(said("/dev/spidev0.0 carries one input or one output; use another port"));
+}
+
+TEST_F(InitDialogue, TheProtocolOfAnInputAtAnSpiPortIsAskedFor) {
+    ports.ports = {spi_port()};
+    const auto input = answers("1\n\n").ask_input();
+    ASSERT_TRUE(input) << all_said();
+    EXPECT_EQ(input->protocol, &kSbusProtocol);
+    EXPECT_EQ(ports.listened, 0U);
+}
+
 TEST_F(InitDialogue, EnterTakesSbusAtAPortOtherThanThatOfTheInput) {
     const auto output = answers("\n\n").ask_output({taken("0")});
     ASSERT_TRUE(output) << all_said();

@@ -6,6 +6,7 @@
 #include "app/init/attachment.h"
 #include "transports/links/can/can_medium.h"
 #include "transports/links/serial/serial_medium.h"
+#include "transports/links/spi/spi_serial_medium.h"
 
 /// Places for the tests of `tribus init`.
 namespace tribus::init::test {
@@ -41,6 +42,13 @@ inline ExaminedPlace mini_uart() {
 
 inline ExaminedPlace interface_named(const std::string& name) {
     return {.medium = &kCanMedium, .name = name, .node = name, .kind = "CAN interface"};
+}
+
+inline ExaminedPlace spi_port() {
+    return {.medium = &kSpiSerialMedium,
+            .name = "/dev/spidev0.0",
+            .node = "/dev/spidev0.0",
+            .kind = "SPI port: SBUS without an inverter"};
 }
 
 inline ExaminedPlace with_problem(ExaminedPlace examined, std::string_view id,

@@ -14,8 +14,7 @@ namespace {
 
 bool has_inputs(const Medium& medium) {
     return std::ranges::any_of(protocols(), [&](const Protocol* protocol) {
-        return carries(medium, *protocol, SettingScope::input) &&
-               protocol->goes(SettingScope::input);
+        return carries(medium, *protocol) && protocol->goes(SettingScope::input);
     });
 }
 

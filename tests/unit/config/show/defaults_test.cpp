@@ -141,7 +141,7 @@ TEST_F(Defaults, ArePrintedForEveryProtocolOnEveryMediumInBothDirections) {
     std::size_t count = 0;
     for (const Protocol* protocol : protocols()) {
         for (const SettingScope way : {SettingScope::input, SettingScope::output}) {
-            for (const Medium* medium : media_for(*protocol, way)) {
+            for (const Medium* medium : media_for(*protocol)) {
                 if (!protocol->goes(way)) {
                     continue;
                 }

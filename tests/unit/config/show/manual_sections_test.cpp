@@ -110,6 +110,7 @@ TEST(SectionsOfTheManual, HaveTheKeysOfAllMediaOfInputsAndOutputs) {
     EXPECT_EQ(key_names(input), (Texts{"protocol",
                                        "device",
                                        "address",
+                                       "spi",
                                        "line",
                                        "interface",
                                        "timeout",

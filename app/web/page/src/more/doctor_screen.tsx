@@ -36,6 +36,7 @@ interface Report {
     machine: { model: string; kernel: string } | null;
     ports: PortReport[];
     can: { name: string; kind: string; up: boolean; bit_rate: number | null }[];
+    spi: { device: string; exists: boolean; configuration: string[] }[];
     findings: Finding[];
 }
 
@@ -98,14 +99,20 @@ function ReportView({ report, busy, listen }: { report: Report } & Omit<PortProp
             </section>
             <section>
                 <h2>Ports</h2>
-                {report.ports.length + report.can.length === 0
-                    && <p>No serial port and no CAN interface was found.</p>}
+                {report.ports.length + report.can.length + report.spi.length === 0
+                    && <p>No serial port, no CAN interface and no SPI port was found.</p>}
                 <ul class="list">{report.ports.map((port) => (
                     <PortItem key={port.node} port={port} busy={busy} listen={listen} />
                 ))}{report.can.map((one) => (
                     <li key={one.name}><h3>CAN {one.name}</h3>
                         <p>{one.kind}, {one.up ? 'up' : 'down'}
                             {one.bit_rate !== null && `, ${one.bit_rate / 1000} kbit/s`}</p></li>
+                ))}{report.spi.map((one) => (
+                    <li key={one.device}><h3>{one.device}</h3>
+                        <p>SPI port: SBUS without an inverter, servos at MOSI or a receiver at
+                            MISO.</p>
+                        {one.configuration.length > 0
+                            && <pre class="commands">{one.configuration.join('\n')}</pre>}</li>
                 ))}</ul>
             </section>
             {report.machine && <p class="quiet">{report.machine.model} {report.machine.kernel}</p>}
