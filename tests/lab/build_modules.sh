@@ -48,8 +48,13 @@ sed -i 's/irq_to_desc(irqnum)/irq_data_to_desc(irq_get_irq_data(irqnum))/' gpio/
 mv drivers/net/can/ctucanfd/*.[ch] can/
 mv drivers/pwm/pwm-pca9685.c pwm/
 mv drivers/spi/spidev.c drivers/spi/spi-butterfly.c drivers/spi/spi-bitbang-txrx.h spi/
-sed -i 's|^#define[[:space:]]*spidelay(X).*|#define spidelay ndelay|' spi/spi-butterfly.c
-grep -q '^#define spidelay ndelay' spi/spi-butterfly.c
+# As it is, each bit takes as long as its writes, whatever the rate. Here a byte takes the time of its
+# rate: 16 half periods behind the byte before.
+pace='static u64 end; u64 now = ktime_get_ns(); u32 in; end = (now > end ? now : end) + 16ULL * nsecs;'
+pace="$pace in = bitbang_txrx_be_cpha0(spi, 0, 0, flags, word, bits);"
+pace="$pace while (ktime_get_ns() < end) cpu_relax(); return in;"
+sed -i "s|return bitbang_txrx_be_cpha0(spi, nsecs, 0, flags, word, bits);|$pace|" spi/spi-butterfly.c
+grep -q '16ULL \* nsecs' spi/spi-butterfly.c
 printf '%s\n' 'obj-m := gpio-sim.o' 'gpio-sim-y := sim.o irq_sim.o' >gpio/Kbuild
 printf '%s\n' 'obj-m := ctucanfd.o ctucanfd_pci.o' 'ctucanfd-y := ctucanfd_base.o' >can/Kbuild
 echo 'obj-m := pwm-pca9685.o' >pwm/Kbuild

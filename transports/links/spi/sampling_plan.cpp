@@ -114,17 +114,15 @@ void SamplingPlan::keep_rhythm(Instant begin, Duration error) {
     }
 }
 
-/// Also where time passed without blocks.
 void SamplingPlan::ended(Instant end) {
     const bool came = std::exchange(came_, false);
     deaf_ = std::exchange(whole_, false) ? 0 : deaf_ + 1;
     if (deaf_ > kMostDeaf) {
         lose_rhythm();
     }
-    while (follows() && !came && *latest_ + (missed_ + 1) * period_ < end) {
-        if (++missed_ > kMostMissed) {
-            lose_rhythm();
-        }
+    const bool missed = follows() && !came && *latest_ + (missed_ + 1) * period_ < end;
+    if (missed && ++missed_ > kMostMissed) {
+        lose_rhythm();
     }
 }
 

@@ -13,8 +13,8 @@ tl::expected<std::unique_ptr<SpiLink>, std::string> SpiLink::open(const std::str
     if (!port) {
         return tl::unexpected(std::move(port.error()));
     }
-    std::unique_ptr<SpiLink> link(new SpiLink(
-        SpiPace(device, std::move(*port), signal.byte_time, worker), std::move(signal)));
+    SpiPace pace(device, std::move(*port), signal.byte_time, worker);
+    std::unique_ptr<SpiLink> link(new SpiLink(std::move(pace), std::move(signal)));
     if (auto problem = link->worker_.start(worker, [&link = *link] { return link.send_newest(); });
         !problem.empty()) {
         return tl::unexpected(device + ": " + problem);

@@ -6,7 +6,7 @@
 namespace tribus {
 namespace {
 
-constexpr std::size_t kDataBits = 8;
+constexpr std::size_t kBitsOfData = 8;
 
 /// Samples of a line, as it is without an inverter: at rest it is a mark.
 class Samples {
@@ -51,7 +51,7 @@ class Samples {
 SampledByte byte_at(const Samples& samples, std::size_t begin, const LineSettings& line) {
     SampledByte found{.begin = begin};
     std::size_t at = begin;
-    for (std::size_t i = 0; i < kDataBits; ++i) {
+    for (std::size_t i = 0; i < kBitsOfData; ++i) {
         at += kSamplesPerBit;
         found.value = static_cast<std::uint8_t>(found.value | (samples.bit(at) ? 1U : 0U) << i);
     }

@@ -52,6 +52,18 @@ TEST(SpiClockWatch, SuspectsNothingOfAClockThatStays) {
     }
 }
 
+/// Any transfer may take up to 100 us more.
+TEST(SpiClockWatch, SuspectsNothingOnABusyMachine) {
+    SpiClockWatch watch(10us);
+    Port port;
+    port.held_up_us = 100;
+    EXPECT_FALSE(changes_within(watch, port, 100));
+    for (int i = 0; i < 10'000; ++i) {
+        watch.transferred(kFrameBytes, port.transfer(kFrameBytes));
+        ASSERT_EQ(watch.wanted_zeros(), 0U) << i;
+    }
+}
+
 class SpiClockWatchOf : public testing::TestWithParam<double> {
   protected:
     double change() const { return GetParam(); }
