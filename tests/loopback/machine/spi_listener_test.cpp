@@ -119,7 +119,9 @@ class SpiPort : public DeviceStandIn {
     std::atomic<double> slowness = 1;  ///< a byte takes so many times as long
 
   private:
-    std::int64_t byte_ns() const { return static_cast<std::int64_t>(clocks_a_byte * 1e9 / hz_); }
+    std::int64_t byte_ns() const {
+        return static_cast<std::int64_t>(clocks_a_byte * 1e9 / hz_ * slowness);
+    }
 
     std::mutex mutex_;
     std::condition_variable changed_;
