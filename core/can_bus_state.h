@@ -4,7 +4,7 @@
 
 namespace tribus {
 
-/// What a CAN interface can do for a sender now.
+/// State of a CAN interface, as a sender sees it.
 enum class CanBusState : std::uint8_t {
     ready,
     warning,  ///< the controller counts many errors

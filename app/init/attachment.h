@@ -15,8 +15,8 @@
 #include "transports/codecs/protocol.h"
 #include "transports/links/serial/serial_medium.h"
 
-/// What `tribus init` knows about places (serial devices, SPI ports and CAN interfaces), and what
-/// it decides from that. Pure.
+/// Facts of `tribus init` about places (serial devices, SPI ports and CAN interfaces), and its
+/// decisions. Pure.
 namespace tribus::init {
 
 /// The value of `--in` or `--out`.

@@ -18,7 +18,7 @@
 
 namespace tribus::dronecan {
 
-/// What a node does.
+/// Stage of a node.
 enum class NodeStage : std::uint8_t {
     allocating,  ///< waits for an id
     online,

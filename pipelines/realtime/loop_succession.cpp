@@ -57,7 +57,7 @@ void Loop::take_over(Loop& before, Instant now) {
     engine_.tell_changes_to(*changes_);
     before.accept_given_links();
     read_second_sockets(before, now);
-    // What the loop before told until now has its indices.
+    // Changes up to here have the indices of the loop before.
     changes_before_ = changes_->newest();
     waits_.continue_from(before.waits_);
     take_ports(before, now);

@@ -30,6 +30,13 @@ std::int64_t as_number(Instant instant) {
 
 }  // namespace
 
+void ask_for_realtime(const WorkerSettings& settings) {
+    if (settings.realtime) {
+        const sched_param priority{.sched_priority = 1};
+        ::sched_setscheduler(0, SCHED_FIFO, &priority);
+    }
+}
+
 LinkWorker::~LinkWorker() {
     if (thread_.joinable()) {
         ends_.store(true);
@@ -95,11 +102,7 @@ void LinkWorker::note_progress() {
 }
 
 void LinkWorker::run() {
-    if (settings_.realtime) {
-        // Before everything that is not real time; refused without the right to it.
-        const sched_param priority{.sched_priority = 1};
-        ::sched_setscheduler(0, SCHED_FIFO, &priority);
-    }
+    ask_for_realtime(settings_);
     std::uint64_t count = 0;
     while (!ends_.load()) {
         if (::read(wake_up_.get(), &count, sizeof count) == sizeof count && !ends_.load()) {

@@ -25,6 +25,10 @@ struct WorkerSettings {
     bool operator==(const WorkerSettings&) const = default;
 };
 
+/// The calling thread asks for real-time scheduling, if it is to: before everything that is not
+/// real time. Without the right to it, it goes on as it is.
+void ask_for_realtime(const WorkerSettings& settings);
+
 /// A thread that hands what a link sends to a kernel interface that keeps its writers waiting, such
 /// as that of a chip on I2C. It always hands over the newest, and nothing that is too old. A
 /// request that the thread has not taken after twice its life counts as not written: nobody may

@@ -76,8 +76,8 @@ struct Medium {
     WireShape shape = WireShape::bytes;
     /// Of these only the protocols that name it (Protocol::only_on).
     bool only_own_protocols = false;
-    /// It inverts the wire itself: only SBUS, which has such a wire, needs it
-    /// (LineSettings::inverted_wire).
+    /// It inverts the wire itself. It carries only protocols with such a wire
+    /// (LineSettings::inverted_wire) that have inputs and outputs.
     bool inverts = false;
     /// The key of an input or output that names the place: a device, an interface.
     Setting place;

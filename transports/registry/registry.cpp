@@ -35,8 +35,8 @@ std::span<const Medium* const> media() {
 }
 
 bool carries(const Medium& medium, const Protocol& protocol) {
-    // F.Port, which tribus only reads, has questions and answers on its wire too: too many pauses
-    // for a port that listens in blocks.
+    // F.Port, which tribus only reads, has questions and answers on its wire: a port that listens
+    // in blocks finds too many pauses there.
     const bool inverted = protocol.line.inverted_wire && protocol.goes(SettingScope::both);
     return medium.shape == protocol.shape && (!medium.inverts || inverted) &&
            (protocol.only_on.empty() ? !medium.only_own_protocols

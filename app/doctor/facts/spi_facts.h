@@ -21,7 +21,7 @@ struct SpiFacts {
     std::string no_output{};  ///< why it cannot draw a line, if that is so
     /// Who has it open. Then it is not opened.
     std::vector<PortUser> users{};
-    /// What came back by a wire between its data lines; nothing if that was not tried.
+    /// The result of frames that a wire leads back; nothing if that was not tried.
     std::optional<SpiLoopback> loopback{};
 };
 
@@ -34,7 +34,7 @@ SpiFacts look_at_spi_port(const KernelFiles& files, const std::string& device);
 /// Whether the name of a device is one of an SPI port, there or not.
 bool names_spi_port(const std::string& device);
 
-/// What came back by that wire, in words.
+/// That result in words.
 std::string describe(const SpiLoopback& loopback);
 
 /// Says why a configuration cannot use it. A hindrance is a problem if the user `asked_for` this

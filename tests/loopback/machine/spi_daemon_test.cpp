@@ -1,9 +1,6 @@
-#include <linux/spi/spidev.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -15,11 +12,12 @@
 
 #include <gtest/gtest.h>
 
+#include "pipelines/realtime/thread_notices.h"
 #include "tests/loopback/machine/running_daemon.h"
 #include "tests/loopback/wire.h"
 #include "tests/reference/plain_uart.h"
-#include "tests/support/device_stand_in.h"
 #include "tests/support/sampled_line.h"
+#include "tests/support/spi_port_stand_in.h"
 
 /// A daemon with SBUS out of an SPI port, and into one, with a stand-in for spidev that takes the
 /// time of the machine.
@@ -28,17 +26,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// The device node of an SPI port (drivers/spi/spidev.c) of nine clocks a byte.
-class SpiPort : public DeviceStandIn {
+/// A port of nine clocks a byte.
+class SpiPort : public SpiPortStandIn {
   public:
-    explicit SpiPort(const std::string& path) : DeviceStandIn(path) { std::ofstream{path}; }
-
-    Answer control(unsigned long request, void* argument) override {
-        if (request == SPI_IOC_WR_MAX_SPEED_HZ) {
-            hz_ = *static_cast<std::uint32_t*>(argument);
-        }
-        return 0;
+    explicit SpiPort(const std::string& path) : SpiPortStandIn(path) {
+        std::ofstream{path};
+        clocks_a_byte = 9;
     }
+
     Answer write(std::span<const std::uint8_t> bytes) override {
         std::this_thread::sleep_until(end_of(bytes.size()));
         if (std::ranges::any_of(bytes, [](std::uint8_t byte) { return byte != 0; })) {
@@ -50,7 +45,7 @@ class SpiPort : public DeviceStandIn {
     Answer read(std::span<std::uint8_t> room) override {
         const double begin_us = us_of(monotonic_now());
         std::this_thread::sleep_until(end_of(room.size()));
-        std::ranges::copy(line.sample(begin_us, room.size(), 9), room.begin());
+        std::ranges::copy(line.sample(begin_us, room.size(), clocks_a_byte), room.begin());
         return static_cast<long>(room.size());
     }
     /// What a servo reads of the latest frame, if each byte is undamaged.
@@ -79,11 +74,9 @@ class SpiPort : public DeviceStandIn {
 
   private:
     std::chrono::steady_clock::time_point end_of(std::size_t bytes) const {
-        return std::chrono::steady_clock::now() +
-               Duration(static_cast<std::int64_t>(9e9 / hz_ * static_cast<double>(bytes)));
+        return std::chrono::steady_clock::now() + Duration(bytes_ns(bytes));
     }
 
-    std::atomic<std::uint32_t> hz_ = 1'000'000;
     std::mutex mutex_;
     Bytes drawn_;
 };
@@ -146,6 +139,14 @@ TEST_F(DaemonWithSpi, HearsAReceiverAndItsSilence) {
         }
         return lost;
     })) << logged_.text();
+}
+
+TEST_F(DaemonWithSpi, SaysWhatThreadsOfLinksHaveToSay) {
+    start();
+    add_thread_notice("/dev/spidev0.0: its clock has changed");
+    look();
+    EXPECT_TRUE(has_said("/dev/spidev0.0: its clock has changed")) << logged_.text();
+    EXPECT_TRUE(take_thread_notices().empty());
 }
 
 }  // namespace

@@ -1,8 +1,6 @@
 #include "transports/links/spi/spi_listener.h"
 
-#include <linux/spi/spidev.h>
 #include <poll.h>
-#include <sys/ioctl.h>
 
 #include <algorithm>
 #include <atomic>
@@ -18,10 +16,10 @@
 #include <gtest/gtest.h>
 
 #include "pipelines/realtime/clock.h"
-#include "tests/support/device_stand_in.h"
 #include "tests/support/edges.h"
 #include "tests/support/sampled_line.h"
 #include "tests/support/seen_within.h"
+#include "tests/support/spi_port_stand_in.h"
 #include "transports/links/spi/spi_serial_medium.h"
 
 /// The link that hears a serial line with an SPI port, with a stand-in for spidev. Blocks of
@@ -35,20 +33,14 @@ constexpr const char* kDevice = "/dev/spidev9.8";
 constexpr LineSettings kSbusLine{
     .baud = 100'000, .parity = Parity::even, .stop_bits = 2, .inverted_wire = true};
 
-/// The device node of an SPI port (drivers/spi/spidev.c): a read returns when as many bytes were
-/// sampled as it asked for. Each read waits until the test allows it.
-class SpiPort : public DeviceStandIn {
+/// A read returns when as many bytes were sampled as it asked for. Each read waits until the test
+/// allows it.
+class SpiPort : public SpiPortStandIn {
   public:
-    SpiPort() : DeviceStandIn(kDevice) {}
+    SpiPort() : SpiPortStandIn(kDevice) {}
 
-    Answer control(unsigned long request, void* argument) override {
-        if (request == SPI_IOC_WR_MAX_SPEED_HZ) {
-            hz_ = *static_cast<std::uint32_t*>(argument);
-        }
-        return 0;
-    }
     Answer write(std::span<const std::uint8_t> bytes) override {
-        clock_ns += 40'000 + byte_ns() * static_cast<std::int64_t>(bytes.size());
+        clock_ns += kCallNs + bytes_ns(bytes.size());
         return static_cast<long>(bytes.size());
     }
     Answer read(std::span<std::uint8_t> room) override {
@@ -63,11 +55,10 @@ class SpiPort : public DeviceStandIn {
         }
         const double begin_us = static_cast<double>(clock_ns) / 1000;
         const auto samples = line.sample(begin_us, room.size(), clocks_a_byte,
-                                         static_cast<double>(byte_ns()) / 1000);
+                                         static_cast<double>(bytes_ns(1000)) / 1e6);
         std::ranges::copy(samples, room.begin());
         if (!needs_no_time) {
-            clock_ns +=
-                40'000 + byte_ns() * static_cast<std::int64_t>(room.size()) + held_up.count();
+            clock_ns += kCallNs + bytes_ns(room.size()) + held_up.count();
         }
         return static_cast<long>(room.size());
     }
@@ -112,22 +103,15 @@ class SpiPort : public DeviceStandIn {
     static inline std::atomic<std::int64_t> clock_ns = 0;
 
     SampledLine line;
-    double clocks_a_byte = 8;
     std::atomic<int> failure = 0;
     Duration held_up{};  ///< behind each block
     bool needs_no_time = false;
-    std::atomic<double> slowness = 1;  ///< a byte takes so many times as long
 
   private:
-    std::int64_t byte_ns() const {
-        return static_cast<std::int64_t>(clocks_a_byte * 1e9 / hz_ * slowness);
-    }
-
     std::mutex mutex_;
     std::condition_variable changed_;
     int allowed_ = 0;
     bool waits_ = false;
-    std::uint32_t hz_ = 1'000'000;
 };
 
 Bytes frame(std::uint8_t first) {
@@ -302,16 +286,28 @@ TEST_F(SpiListenerAtAPort, HearsAgainAfterItsClockHasChanged) {
     }
 }
 
-/// The appliance tries it each second; a thread that stands would end the program.
-TEST_F(SpiListenerAtAPort, DoesNotStandWhileNoRateFits) {
-    port_.slowness = 0;
+/// The appliance opens it again, and says which rates it tried.
+TEST_F(SpiListenerAtAPort, IsLostIfNoRateFitsAnyMore) {
+    port_.slowness = 0.01;
     port_.allow_all();
-    const std::int64_t begin = SpiPort::clock_ns;
-    for (int i = 0; i < 20; ++i) {
-        SpiPort::clock_ns += 200'000'000;
-        std::this_thread::sleep_for(30ms);
-        EXPECT_FALSE(link_->stands(SpiPort::now())) << (SpiPort::clock_ns - begin) / 1'000'000;
+    EXPECT_TRUE(seen_within([&] { return read().count == 0 && status_ == ReadStatus::lost; }));
+}
+
+/// Zeros that the watch of the clock sends do not fit into each pause.
+TEST_F(SpiListenerAtAPort, LosesNoFrameOfAFastSenderToTheWatchOfItsClock) {
+    const Instant begin = SpiPort::now();
+    constexpr int kFrames = 500;
+    for (int i = 0; i < kFrames; ++i) {
+        port_.send(begin + 2ms + i * 7ms, frame(static_cast<std::uint8_t>(i)));
     }
+    port_.take_until(begin + 100ms);
+    whole_bursts();
+    int whole = 0;
+    while (SpiPort::now() < begin + kFrames * 7ms) {
+        port_.take_blocks(1);
+        whole += whole_bursts();
+    }
+    EXPECT_GE(whole, kFrames - 100 / 7 - 2);
 }
 
 /// A block that ends at once has no samples of the line.

@@ -1,8 +1,5 @@
 #include "transports/links/spi/spi_loopback.h"
 
-#include <linux/spi/spidev.h>
-#include <sys/ioctl.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
@@ -11,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/device_stand_in.h"
+#include "tests/support/spi_port_stand_in.h"
 #include "transports/codecs/sbus/sbus.h"
 
 /// What comes back by a wire between the data lines of an SPI port, with a stand-in for spidev.
@@ -20,19 +17,15 @@ namespace {
 
 constexpr const char* kDevice = "/dev/spidev9.7";
 
-/// The device node of an SPI port (linux/spi/spidev.h). What comes in is what goes out, as `wire`
-/// changes it.
-class SpiPort : public DeviceStandIn {
+/// A port of nine clocks a byte. What comes in is what goes out, as `wire` changes it.
+class SpiPort : public SpiPortStandIn {
   public:
-    SpiPort() : DeviceStandIn(kDevice) {}
+    SpiPort() : SpiPortStandIn(kDevice) { clocks_a_byte = 9; }
 
     Answer control(unsigned long request, void* argument) override {
-        if (request == SPI_IOC_WR_MAX_SPEED_HZ) {
-            hz_ = *static_cast<std::uint32_t*>(argument);
-        } else if (request == SPI_IOC_MESSAGE(1)) {
-            return exchange(*static_cast<const spi_ioc_transfer*>(argument));
-        }
-        return 0;
+        return request == SPI_IOC_MESSAGE(1)
+                   ? exchange(*static_cast<const spi_ioc_transfer*>(argument))
+                   : SpiPortStandIn::control(request, argument);
     }
     Answer write(std::span<const std::uint8_t> bytes) override {
         pass(bytes.size());
@@ -49,7 +42,7 @@ class SpiPort : public DeviceStandIn {
     int exchanges = 0;
 
   private:
-    long exchange(const spi_ioc_transfer& transfer) {
+    Answer exchange(const spi_ioc_transfer& transfer) {
         if (refuses != 0) {
             return -refuses;
         }
@@ -61,12 +54,9 @@ class SpiPort : public DeviceStandIn {
         return static_cast<long>(transfer.len);
     }
     void pass(std::size_t bytes) {
-        const double slowness = exchanges >= slower_from ? 1.03 : 1;
-        clock_ns +=
-            40'000 + static_cast<std::int64_t>(9e9 * slowness / hz_ * static_cast<double>(bytes));
+        slowness = exchanges >= slower_from ? 1.03 : 1;
+        clock_ns += kCallNs + bytes_ns(bytes);
     }
-
-    std::uint32_t hz_ = 1'000'000;
 };
 
 SpiLoopback tried() {

@@ -117,12 +117,12 @@ sensor = [{{ type = "temperature", value = "steering.Steer", scale = 1 }}]
 realtime = "off"
 )",
             timeout, servos_.path(), sensors_.path());
-        Configuration configuration = load_configuration(text, folder_ / "test.toml").value();
-        configuration.inputs[0].port.medium = &kSocketBuses;
-        configuration.inputs[0].port.device = std::to_string(interface_.get());
-        std::get<ValueMessageConfig>(configuration.values[0].source).port =
-            configuration.inputs[0].port;
-        appliance_ = Appliance::start(std::move(configuration)).value();
+        configuration_ = load_configuration(text, folder_ / "test.toml").value();
+        configuration_.inputs[0].port.medium = &kSocketBuses;
+        configuration_.inputs[0].port.device = std::to_string(interface_.get());
+        std::get<ValueMessageConfig>(configuration_.values[0].source).port =
+            configuration_.inputs[0].port;
+        appliance_ = Appliance::start(configuration_).value();
         teller_ = std::make_unique<Teller>(*appliance_, Instant(0s));
     }
     /// Sends the frame until the program reports this cause; then the log looks.
@@ -138,6 +138,13 @@ realtime = "off"
         const std::uint64_t before = appliance_->changes().newest();
         ::send(node_.get(), &frame, sizeof frame, 0);
         ASSERT_TRUE(seen_within([&] { return appliance_->changes().newest() > before; }));
+    }
+    /// Another appliance of the same configuration goes on, without the numbers of values.
+    void go_on_anew() {
+        appliance_.reset();
+        appliance_ = Appliance::start(configuration_).value();
+        teller_->go_on_with(*appliance_, plan_carry_over(configuration_, configuration_),
+                            monotonic_now());
     }
     void look() { teller_->look(*appliance_, monotonic_now()); }
     ValueStatus steering() const {
@@ -166,6 +173,7 @@ realtime = "off"
     FarEnd sensors_{folder_ / "sensors"};
     UniqueFd interface_;
     LogInMemory logged_{"%v"};
+    Configuration configuration_;
     std::unique_ptr<Appliance> appliance_;
     std::unique_ptr<Teller> teller_;
 };
@@ -210,6 +218,23 @@ TEST_F(StateLogOfMessages, TellsAStaleValueThatIsFreshAgainBeforeTheLogLooks) {
     EXPECT_EQ(changes[known].at, steering().gaps.stale_at);
     EXPECT_EQ(changes[known + 1].now, "fresh");
     EXPECT_EQ(changes[known + 1].at, steering().gaps.fresh_since);
+}
+
+/// A reload that changes the source of a value makes another value of the same name.
+TEST_F(StateLogOfMessages, TellsThatAValueIsStaleIfItsNewSourceHasSaidNothingYet) {
+    receive(standard_frame(256, {0xDC, 0x05}), LinkCause::good, monotonic_now());
+    ASSERT_TRUE(seen_within([&] {
+        const CanFrame frame = standard_frame(256, {0xDC, 0x05});
+        ::send(node_.get(), &frame, sizeof frame, 0);
+        look();
+        return !told("value").empty() ? told("value").back().now == "fresh" : steering().ever;
+    }));
+    const std::size_t known = told("value").size();
+    go_on_anew();
+    look();
+    const std::vector<ToldChange> changes = told("value");
+    ASSERT_EQ(changes.size(), known + 1);
+    EXPECT_EQ(changes.back().now, "stale");
 }
 
 class StateLogOfFramesThatNeverCount : public StateLogOfMessages {

@@ -41,19 +41,27 @@ Duration absolute(Duration duration) {
 
 SamplingPlan::SamplingPlan(Duration longest) : longest_(longest) {}
 
-/// The end of the pause between two bursts, if the sender jitters so much, is as near as its begin.
+/// Half of the pause at most: a block that ends later would end in the next burst.
 Duration SamplingPlan::late_by() const {
     const Duration pause = std::max(period_ - length_, Duration::zero());
     return std::min(kLateBy + jitter_, pause / 2);
+}
+
+/// The first that begins after now: one whose begin is over is lost.
+Instant SamplingPlan::next_burst(Instant now) const {
+    const auto periods = std::max<std::int64_t>((now - *latest_) / period_, 0) + 1;
+    return *latest_ + periods * period_;
+}
+
+Duration SamplingPlan::pause(Instant now) const {
+    return follows() ? next_burst(now) - late_by() - now : Duration::max();
 }
 
 Duration SamplingPlan::next(Instant now) const {
     if (!follows()) {
         return std::min(kSearchBlock + deaf_ % kSearchBlocks * kSearchStep, longest_);
     }
-    // A burst whose begin is over is lost.
-    const auto periods = std::max<std::int64_t>((now - *latest_) / period_, 0) + 1;
-    const Instant expected = *latest_ + periods * period_;
+    const Instant expected = next_burst(now);
     const Duration to_its_end = expected + length_ + late_by() - now;
     const Duration to_the_pause = expected - late_by() - now;
     return to_its_end <= longest_             ? to_its_end

@@ -32,6 +32,8 @@ class SamplingPlan {
     void found(const SampledBurst& burst);
     /// All bursts of the block have been told, which ended then.
     void ended(Instant end);
+    /// For how long no burst is expected from now on. Without a rhythm: the longest time.
+    Duration pause(Instant now) const;
     /// Whether it knows the rhythm of a sender.
     bool follows() const { return period_ > Duration::zero(); }
 
@@ -40,6 +42,7 @@ class SamplingPlan {
     void keep_rhythm(Instant begin, Duration error);
     void lose_rhythm();
     Duration late_by() const;
+    Instant next_burst(Instant now) const;
 
     Duration longest_;
     std::optional<Instant> latest_;  ///< begin of the latest burst, of a rhythm its mean

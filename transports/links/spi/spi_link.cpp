@@ -56,9 +56,6 @@ WriteStatus SpiLink::send_newest() {
     if (!take_frame(valid_until)) {
         return outcome_;
     }
-    if (!pace_.is_right()) {
-        return outcome_ = WriteStatus::unavailable;
-    }
     const Instant begin = pace_.now();
     if (begin > valid_until) {
         return WriteStatus::busy;
@@ -69,8 +66,9 @@ WriteStatus SpiLink::send_newest() {
     outcome_ = sent == static_cast<ssize_t>(waveform_.bytes) ? WriteStatus::written
                : gone                                        ? WriteStatus::lost
                                                              : WriteStatus::unavailable;
-    if (outcome_ == WriteStatus::written) {
-        pace_.transferred(waveform_.bytes, pace_.now() - begin);
+    if (outcome_ == WriteStatus::written &&
+        !pace_.transferred(waveform_.bytes, pace_.now() - begin)) {
+        outcome_ = WriteStatus::lost;
     }
     return outcome_;
 }

@@ -44,7 +44,8 @@ class SpiLink final : public ByteLink {
     /// Takes one frame, of which `SpiSignal::draw` may make nothing: that withdraws a frame that
     /// waits. `busy`: the thread is taking the frame before, or dropped it because it
     /// was too old; `unavailable` while the kernel refuses frames or does not send them, or the
-    /// thread gets no processor time; `lost` when the device is gone.
+    /// thread gets no processor time; `lost` when the device is gone, or
+    /// has no rate any more that fits.
     WriteStatus write(std::span<const std::uint8_t> frame) override {
         return write_asked(frame, worker_.life_from_now());
     }

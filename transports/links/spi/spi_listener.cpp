@@ -1,7 +1,6 @@
 #include "transports/links/spi/spi_listener.h"
 
 #include <poll.h>
-#include <sched.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
@@ -153,10 +152,6 @@ void SpiListener::hand_over(Instant begin, Instant end, bool in_time) {
 /// The samples of a block are of use only if it took the time that they need.
 void SpiListener::take_block() {
     note_progress();
-    if (!pace_.is_right()) {
-        wait_for_the_port();
-        return;
-    }
     const Instant begin = worker_.now();
     const auto wanted = static_cast<std::size_t>(plan_.next(begin) / bit_);
     const std::size_t bytes = std::clamp<std::size_t>(wanted, 1, samples_.size());
@@ -176,17 +171,24 @@ void SpiListener::take_block() {
     } else {
         wait_for_the_port();
     }
-    pace_.transferred(bytes, took);
+    note_progress();
+    if (!pace_.transferred(bytes, took, plan_.pause(worker_.now()))) {
+        lose();
+    }
 }
 
 void SpiListener::refused(int error) {
     if (is_spi_port_gone(error)) {
-        lost_.store(true);
-        announce();
+        lose();
         return;
     }
     pace_.refused(error);
     wait_for_the_port();
+}
+
+void SpiListener::lose() {
+    lost_.store(true);
+    announce();
 }
 
 void SpiListener::note_progress() {
@@ -194,11 +196,7 @@ void SpiListener::note_progress() {
 }
 
 void SpiListener::run() {
-    if (worker_.realtime) {
-        // Before everything that is not real time; refused without the right to it.
-        const sched_param priority{.sched_priority = 1};
-        ::sched_setscheduler(0, SCHED_FIFO, &priority);
-    }
+    ask_for_realtime(worker_);
     while (!ends_.load() && !lost_.load()) {
         take_block();
     }

@@ -31,8 +31,7 @@ class SpiListener final : public ByteLink {
     /// As `open_spi_port`.
     static tl::expected<std::unique_ptr<SpiListener>, std::string> open(
         const std::string& device, const LineSettings& line, const WorkerSettings& worker);
-    /// Ends after the block that is taken, 41 ms at most, or after a measurement of the port, 0.6
-    /// s.
+    /// Ends after the block that is taken (41 ms at most), or after the port is measured (0.6 s).
     ~SpiListener() override;
 
     ReadStatus read(Reception& reception) override;
@@ -61,6 +60,7 @@ class SpiListener final : public ByteLink {
     void add(std::span<const SampledByte> burst, Instant begin, Instant at_the_latest);
     void tell_plan(std::span<const SampledByte> burst, Instant begin, bool cut);
     void refused(int error);
+    void lose();
     void note_progress();
     Instant time_of(Instant begin, std::size_t sample) const;
     void wait_for_the_port();

@@ -1,7 +1,7 @@
 #include "transports/links/spi/spi_pace.h"
 
-#include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <utility>
 
@@ -16,59 +16,41 @@ SpiPace::SpiPace(std::string device, SpiPort port, Duration byte_time, const Wor
       worker_(worker),
       watch_(byte_time) {}
 
-bool SpiPace::is_right() {
-    constexpr Duration kPause = std::chrono::seconds(1);
-    if (!fits_ && worker_.now() - measured_at_ >= kPause) {
-        measure_anew();
-    }
-    return fits_;
-}
-
-void SpiPace::transferred(std::size_t bytes, Duration took) {
+bool SpiPace::transferred(std::size_t bytes, Duration took, Duration pause) {
     told_refusal_ = false;
     watch_.transferred(bytes, took);
-    if (const std::size_t zeros = watch_.wanted_zeros(); zeros > 0) {
-        const auto compared = zeros_through(port_.file, worker_.now)(port_.hz, zeros);
-        if (compared && watch_.compared(*compared)) {
-            measure_anew();
-        }
+    const std::size_t zeros = watch_.wanted_zeros();
+    if (zeros == 0 || static_cast<std::int64_t>(zeros) * byte_time_ > pause) {
+        return true;
     }
+    const auto compared = zeros_through(port_.file, worker_.now)(port_.hz, zeros);
+    return !compared || !watch_.compared(*compared) || measure_anew();
 }
 
-void SpiPace::measure_anew() {
+bool SpiPace::measure_anew() {
     const auto found = find_spi_rate(byte_time_, zeros_through(port_.file, worker_.now));
-    measured_at_ = worker_.now();
-    watch_ = SpiClockWatch(byte_time_);
-    fits_ = found.has_value();
     if (!found) {
-        warn(told_no_rate_, fmt::format("its clock has changed, and {}", found.error()));
-        return;
+        return false;
     }
-    told_no_rate_ = false;
+    watch_ = SpiClockWatch(byte_time_);
     constexpr double kPercent = 100;
     const double change = static_cast<double>(port_.hz) / *found - 1;
     port_.hz = *found;
-    if (std::abs(change) > SpiClockWatch::kMostDrift / 2) {
-        warn(told_change_,
-             fmt::format("its clock has changed by {:+.1f} %: bits were wrong until now, when it "
-                         "was measured anew",
-                         change * kPercent));
+    // A clock that changes once changes again and again.
+    if (std::abs(change) > SpiClockWatch::kMostDrift / 2 && worker_.warn != nullptr &&
+        !std::exchange(told_change_, true)) {
+        worker_.warn(fmt::format(
+            "{}: its clock has changed by {:+.1f} %, so bits had the wrong length until it was "
+            "measured anew just now. Fix the core's clock: core_freq_min=500 (Raspberry Pi 4) or "
+            "core_freq=250 (Raspberry Pi 3) in config.txt",
+            device_, change * kPercent));
     }
+    return true;
 }
 
 void SpiPace::refused(int error) {
     if (worker_.warn != nullptr && !std::exchange(told_refusal_, true)) {
         worker_.warn(fmt::format("{}: it refuses transfers: {}", device_, std::strerror(error)));
-    }
-}
-
-/// A clock that changes once changes again and again.
-void SpiPace::warn(bool& told, const std::string& what) {
-    if (worker_.warn != nullptr && !std::exchange(told, true)) {
-        worker_.warn(fmt::format(
-            "{}: {}. Fix the core's clock: core_freq_min=500 (Raspberry Pi 4) or core_freq=250 "
-            "(Raspberry Pi 3) in config.txt",
-            device_, what));
     }
 }
 

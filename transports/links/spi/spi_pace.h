@@ -19,29 +19,23 @@ class SpiPace {
 
     int file() const { return port_.file.get(); }
     Instant now() const { return worker_.now(); }
-    /// Whether its bytes have that duration. If they do not, it looks for a rate once a second,
-    /// for a quarter of one.
-    bool is_right();
-    /// A transfer of so many bytes took so long. May send zeros: for 3 ms if the clock may have
-    /// changed, and for up to 0.6 s if it has.
-    void transferred(std::size_t bytes, Duration took);
+    /// A transfer of so many bytes took so long, and for `pause` nothing else is to be sent or
+    /// heard. Sends zeros in that time if the clock may have changed (3 ms), and for up to 0.6 s if
+    /// it has. Returns false if no rate fits any more: then the port is of no use.
+    bool transferred(std::size_t bytes, Duration took, Duration pause = Duration::max());
     /// The port refused a transfer, with that errno.
     void refused(int error);
 
   private:
-    void measure_anew();
-    void warn(bool& told, const std::string& what);
+    bool measure_anew();
 
     std::string device_;
     SpiPort port_;
     Duration byte_time_;
     WorkerSettings worker_;
     SpiClockWatch watch_;
-    bool fits_ = true;
     bool told_change_ = false;
-    bool told_no_rate_ = false;
     bool told_refusal_ = false;
-    Instant measured_at_{};
 };
 
 }  // namespace tribus

@@ -18,7 +18,7 @@ class Samples {
     bool mark(std::size_t sample) const {
         return (byte(sample / kSamplesPerBit) >> (7 - sample % kSamplesPerBit) & 1U) != 0;
     }
-    /// The next sample from `sample` on that is a mark, or none; `count` if there is no such one.
+    /// The first sample from `sample` on that is a mark, or is none, as `wanted`; else `count`.
     std::size_t find(bool wanted, std::size_t sample) const {
         const std::uint8_t passed = wanted ? 0x00 : 0xFF;
         while (sample < count() && mark(sample) != wanted) {
